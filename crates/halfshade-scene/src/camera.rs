@@ -1,0 +1,47 @@
+//! The pinhole camera of pictures.
+
+use glam::Vec3;
+
+/// A pinhole camera.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Camera {
+    /// Eye in world space.
+    pub eye: Vec3,
+    /// The point looked at, in world space.
+    pub target: Vec3,
+    /// Angle spanned by the picture's height, in degrees, in (0, 180).
+    pub vertical_fov_degrees: f32,
+    /// Width and height in pixels.
+    pub resolution: [u32; 2],
+}
+
+impl Camera {
+    /// Unit direction in world space through pixel coordinates; pixel (0, 0) is top left and its centre lies at
+    /// (0.5, 0.5). +Y is up unless the camera looks along it; then -Z is.
+    pub fn ray_direction(&self, column: f32, row: f32) -> Vec3 {
+        let forward = (self.target - self.eye).normalize_or(Vec3::NEG_Z);
+        let right =
+            forward.cross(Vec3::Y).try_normalize().unwrap_or_else(|| forward.cross(Vec3::NEG_Z).normalize_or(Vec3::X));
+        let up = right.cross(forward);
+        let [width, height] = self.resolution.map(|n| n as f32);
+        let half_height = (0.5 * self.vertical_fov_degrees.to_radians()).tan();
+        let x = (2.0 * column - width) / height * half_height;
+        let y = (1.0 - 2.0 * row / height) * half_height;
+        (forward + x * right + y * up).normalize()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_height_spans_the_field_of_view() {
+        let camera =
+            Camera { eye: Vec3::ZERO, target: Vec3::NEG_Z, vertical_fov_degrees: 60.0, resolution: [200, 100] };
+        assert!(camera.ray_direction(100.0, 50.0).distance(Vec3::NEG_Z) < 1e-6);
+        let (top, bottom) = (camera.ray_direction(100.0, 0.0), camera.ray_direction(100.0, 100.0));
+        assert!((top.angle_between(bottom).to_degrees() - 60.0).abs() < 1e-3);
+        assert!(top.y > 0.0 && camera.ray_direction(200.0, 50.0).x > 0.0);
+    }
+}

@@ -1,0 +1,29 @@
+//! Everything the strategies and the truth share: meshes, materials, lights, cameras, poses, receivers, sphere sets.
+//!
+//! World space is right-handed with +Y up, in metres. Radiance is linear and scene-referred, Rec. 709 primaries.
+
+pub mod camera;
+pub mod error;
+pub mod frame;
+pub mod light;
+pub mod material;
+pub mod mesh;
+pub mod motion;
+pub mod pose;
+pub mod progress;
+pub mod receivers;
+pub mod scene;
+pub mod spheres;
+
+pub use camera::Camera;
+pub use error::SceneError;
+pub use frame::Frame;
+pub use light::{Environment, SphereLight};
+pub use material::Material;
+pub use mesh::Mesh;
+pub use motion::Motion;
+pub use pose::Pose;
+pub use progress::Progress;
+pub use receivers::{RadianceBuffer, RadianceMut, ReceiverBuffer, Receivers};
+pub use scene::{Object, Scene};
+pub use spheres::{Sphere, SphereSet};

@@ -1,0 +1,61 @@
+//! The infinitely distant environment: constant or a map, and a sun on top where there is one.
+
+use super::EnvironmentMap;
+use glam::Vec3;
+use std::sync::Arc;
+
+/// Distant light without its sun.
+#[derive(Debug, Clone)]
+pub enum DistantLight {
+    /// The same radiance from everywhere.
+    Constant(Vec3),
+    /// An image around the scene.
+    Map(Arc<EnvironmentMap>),
+}
+
+/// A sun: a small cap of constant radiance, kept apart from the map because no map resolves it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sun {
+    /// Unit direction toward its centre.
+    pub direction: Vec3,
+    /// Angular radius in radians.
+    pub angular_radius: f32,
+    /// Radiance inside the cap, added to the map's.
+    pub radiance: Vec3,
+}
+
+/// Infinitely distant light in environment space.
+#[derive(Debug, Clone)]
+pub struct Environment {
+    /// The sky, the room: all but the sun.
+    pub base: DistantLight,
+    /// The sun, if there is one.
+    pub sun: Option<Sun>,
+}
+
+impl Environment {
+    /// The same radiance from everywhere.
+    pub const fn constant(radiance: Vec3) -> Self {
+        Self { base: DistantLight::Constant(radiance), sun: None }
+    }
+
+    /// An image around the scene.
+    pub fn map(map: EnvironmentMap) -> Self {
+        Self { base: DistantLight::Map(Arc::new(map)), sun: None }
+    }
+
+    /// Radiance that arrives along unit `direction` (pointing away from the receiver), sun included.
+    pub fn radiance(&self, direction: Vec3) -> Vec3 {
+        let base = match &self.base {
+            DistantLight::Constant(radiance) => *radiance,
+            DistantLight::Map(map) => map.radiance(direction),
+        };
+        match self.sun {
+            // Chord instead of cosine: 1 - cos loses all digits of a small angular radius in f32.
+            Some(sun) if direction.distance(sun.direction) <= 2.0 * (0.5 * sun.angular_radius).sin() => {
+                base + sun.radiance
+            }
+            _ => base,
+        }
+    }
+}

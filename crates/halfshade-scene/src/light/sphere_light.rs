@@ -1,0 +1,22 @@
+//! A local light: a sphere of constant radiance.
+
+use crate::Pose;
+use glam::Vec3;
+
+/// A spherical area light. It emits, but blocks nothing: lights are no geometry.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SphereLight {
+    /// Centre in world space.
+    pub center: Vec3,
+    /// Radius in metres, positive.
+    pub radius: f32,
+    /// Emitted radiance, the same from every point in every direction.
+    pub radiance: Vec3,
+}
+
+impl SphereLight {
+    /// The light, moved by a pose.
+    pub fn moved(&self, pose: &Pose) -> Self {
+        Self { center: pose.transform_point(self.center), radius: pose.scale * self.radius, ..*self }
+    }
+}

@@ -1,0 +1,72 @@
+//! A scene: objects that move, light that falls on them, a camera that looks.
+
+use crate::{Camera, Environment, Material, Mesh, Motion, SphereLight, SphereSet};
+use glam::{Quat, Vec3};
+use std::sync::Arc;
+
+/// One rigid object.
+#[derive(Debug, Clone)]
+pub struct Object {
+    /// A name for messages and tables.
+    pub name: String,
+    /// Its surface, in object space.
+    pub mesh: Arc<Mesh>,
+    /// How it reflects.
+    pub material: Material,
+    /// How many leaf spheres approximate it as a blocker; 0: it receives only.
+    pub sphere_count: usize,
+    /// The sphere set in object space, once built (see [`crate::spheres`]); empty when `sphere_count` is 0.
+    pub spheres: Option<Arc<SphereSet>>,
+    /// How many receiver clusters its vertices form ([Guerrero2007, 4.1]); 0: left to the strategy.
+    pub cluster_count: usize,
+    /// Its pose over time.
+    pub motion: Motion,
+}
+
+/// What every strategy and the truth are run on.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// Name for tables.
+    pub name: String,
+    /// The objects. A blocker is an object whose `sphere_count` is not 0; the truth traces every mesh.
+    pub objects: Vec<Object>,
+    /// Infinitely distant light.
+    pub environment: Environment,
+    /// Turn of the environment around +Y, radians per second: dynamic light.
+    pub environment_turn_per_sec: f32,
+    /// Local spherical lights, with their motion (position of the pose moves the centre, scale the radius).
+    pub lights: Vec<(SphereLight, Motion)>,
+    /// The camera of pictures.
+    pub camera: Camera,
+    /// Frames per second of the animation's time line.
+    pub frames_per_sec: f64,
+    /// Length of the animation in frames, at least 1.
+    pub frame_count: usize,
+}
+
+impl Scene {
+    /// The scene at frame `index`. Frames past the end are valid: motions hold their last pose.
+    pub fn frame(&self, index: usize) -> crate::Frame<'_> {
+        let time_secs = index as f64 / self.frames_per_sec;
+        crate::Frame {
+            scene: self,
+            index,
+            world_from_object: self.objects.iter().map(|object| object.motion.at(time_secs)).collect(),
+            world_from_environment: Quat::from_axis_angle(
+                Vec3::Y,
+                (f64::from(self.environment_turn_per_sec) * time_secs) as f32,
+            ),
+            lights: self.lights.iter().map(|(light, motion)| light.moved(&motion.at(time_secs))).collect(),
+        }
+    }
+
+    /// Sum of the vertices of all objects: the number of vertex receivers.
+    pub fn vertex_count(&self) -> usize {
+        self.objects.iter().map(|object| object.mesh.positions.len()).sum()
+    }
+
+    /// Sum of the spheres of all objects whose sphere set is built.
+    pub fn built_sphere_count(&self) -> usize {
+        self.objects.iter().filter_map(|object| object.spheres.as_ref()).map(|set| set.spheres.len()).sum()
+    }
+}

@@ -1,0 +1,107 @@
+//! Effects: what a scene requires and a strategy can model.
+
+use halfshade_scene::{Scene, light::DistantLight};
+use std::fmt;
+
+/// One thing light does, or a scene does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Effect {
+    /// Light from infinitely far.
+    EnvironmentLight,
+    /// Light from spheres within the scene.
+    LocalLights,
+    /// Light that is not grey.
+    ColouredLight,
+    /// Poses that change between frames.
+    Motion,
+}
+
+impl Effect {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::EnvironmentLight, Self::LocalLights, Self::ColouredLight, Self::Motion];
+
+    /// As users read it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::EnvironmentLight => "environment light",
+            Self::LocalLights => "local lights",
+            Self::ColouredLight => "coloured light",
+            Self::Motion => "motion",
+        }
+    }
+}
+
+/// A set of effects.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Effects(u32);
+
+impl Effects {
+    /// The set of `effects`.
+    pub const fn of(effects: &[Effect]) -> Self {
+        let mut bits = 0;
+        let mut i = 0;
+        while i < effects.len() {
+            bits |= 1 << effects[i] as u32;
+            i += 1;
+        }
+        Self(bits)
+    }
+
+    /// Whether `effect` is in the set.
+    pub const fn contains(self, effect: Effect) -> bool {
+        self.0 & (1 << effect as u32) != 0
+    }
+
+    /// The effects in the set.
+    pub fn iter(self) -> impl Iterator<Item = Effect> {
+        Effect::ALL.into_iter().filter(move |&effect| self.contains(effect))
+    }
+
+    /// What `self` lacks of `required`.
+    pub const fn missing(self, required: Self) -> Self {
+        Self(required.0 & !self.0)
+    }
+
+    /// Whether there is nothing in the set.
+    pub const fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    /// What `scene` requires; nothing more, so that nobody pays for what isn't there.
+    pub fn required_by(scene: &Scene) -> Self {
+        let mut effects = Vec::new();
+        let grey = |c: glam::Vec3| c.x == c.y && c.y == c.z;
+        let (dark, base_grey) = match &scene.environment.base {
+            DistantLight::Constant(c) => (*c == glam::Vec3::ZERO, grey(*c)),
+            DistantLight::Map(map) => {
+                (map.texels().iter().all(|t| *t == glam::Vec3::ZERO), map.texels().iter().all(|t| grey(*t)))
+            }
+        };
+        if !dark || scene.environment.sun.is_some() {
+            effects.push(Effect::EnvironmentLight);
+        }
+        if !scene.lights.is_empty() {
+            effects.push(Effect::LocalLights);
+        }
+        let lights_grey = scene.lights.iter().all(|(light, _)| grey(light.radiance));
+        if !(base_grey && lights_grey && scene.environment.sun.is_none_or(|sun| grey(sun.radiance))) {
+            effects.push(Effect::ColouredLight);
+        }
+        if scene.objects.iter().any(|object| object.motion.moves())
+            || scene.lights.iter().any(|(_, motion)| motion.moves())
+            || scene.environment_turn_per_sec != 0.0
+        {
+            effects.push(Effect::Motion);
+        }
+        Self::of(&effects)
+    }
+}
+
+impl fmt::Display for Effects {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, effect) in self.iter().enumerate() {
+            write!(f, "{}{}", if i == 0 { "" } else { ", " }, effect.name())?;
+        }
+        Ok(())
+    }
+}

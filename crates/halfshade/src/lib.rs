@@ -1,0 +1,1 @@
+//! The command, as a library for its own tests.
