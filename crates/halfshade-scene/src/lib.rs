@@ -2,6 +2,7 @@
 //!
 //! World space is right-handed with +Y up, in metres. Radiance is linear and scene-referred, Rec. 709 primaries.
 
+pub mod builtin;
 pub mod camera;
 pub mod error;
 pub mod frame;
