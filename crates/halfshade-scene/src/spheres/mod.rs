@@ -1,5 +1,9 @@
 //! Sphere sets: the geometry that blocks, in place of a mesh ([Guerrero2007, 4.1], [Wang2006]).
 
+mod adjust;
+
+pub use adjust::{AdjustRule, AdjustedSphere, FADE_HEIGHT, adjust, adjusted};
+
 use glam::Vec3;
 
 /// A sphere.
