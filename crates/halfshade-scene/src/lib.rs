@@ -3,6 +3,7 @@
 //! World space is right-handed with +Y up, in metres. Radiance is linear and scene-referred, Rec. 709 primaries.
 
 pub mod builtin;
+pub mod cache;
 pub mod camera;
 pub mod error;
 pub mod frame;
@@ -16,6 +17,7 @@ pub mod receivers;
 pub mod scene;
 pub mod spheres;
 
+pub use cache::{Cache, CacheOutcome};
 pub use camera::Camera;
 pub use error::SceneError;
 pub use frame::Frame;
