@@ -1,0 +1,323 @@
+//! Five vases on a ground box ([Guerrero2007, 6]: 15k vertices, 20 leaf spheres, 35 clusters).
+
+use super::choreography::{FRAME_COUNT, FRAMES_PER_SEC, keyframes, upright, wave};
+use super::lathe::{ProfilePoint, lathe};
+use super::{shapes, studio};
+use crate::{Camera, Material, Mesh, Motion, Object, Pose, Scene};
+use glam::{DVec2, Vec3};
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+const SEGMENTS: usize = 48;
+const PROFILE_POINTS: usize = 42;
+/// Vases stand this high above the ground, so that no two faces coincide.
+const GAP: f32 = 0.004;
+
+/// One vase: its profile's control points (radius, height), glaze, place, and how it moves.
+struct Vase {
+    name: &'static str,
+    /// From the bottom's middle outward, up, over the rim, and down the throat to the middle again.
+    controls: &'static [[f64; 2]],
+    glaze: [f32; 3],
+    /// Colour of the bands and the foot.
+    trim: [f32; 3],
+    /// Heights between which the trim is painted.
+    bands: &'static [[f32; 2]],
+    place: [f32; 2],
+    slide: [f32; 2],
+    phase: f64,
+}
+
+/// Throats end a hand's breadth below the neck, where no eye and little light gets to: the solid below is what a set of
+/// four spheres can follow.
+const VASES: [Vase; 5] = [
+    Vase {
+        name: "amphora",
+        controls: &[
+            [0.0, 0.0],
+            [0.17, 0.0],
+            [0.21, 0.015],
+            [0.19, 0.07],
+            [0.14, 0.13],
+            [0.24, 0.30],
+            [0.40, 0.58],
+            [0.45, 0.84],
+            [0.36, 1.06],
+            [0.17, 1.17],
+            [0.125, 1.29],
+            [0.135, 1.42],
+            [0.20, 1.50],
+            [0.225, 1.53],
+            [0.205, 1.56],
+            [0.15, 1.53],
+            [0.09, 1.42],
+            [0.085, 1.27],
+            [0.08, 1.12],
+            [0.0, 1.09],
+        ],
+        glaze: [0.72, 0.29, 0.16],
+        trim: [0.12, 0.09, 0.08],
+        bands: &[[-1.0, 0.10], [0.80, 0.88], [0.92, 0.95], [1.44, 2.0]],
+        place: [0.0, -0.35],
+        slide: [0.0, 0.12],
+        phase: 0.0,
+    },
+    Vase {
+        name: "bottle",
+        controls: &[
+            [0.0, 0.0],
+            [0.20, 0.0],
+            [0.25, 0.01],
+            [0.33, 0.10],
+            [0.37, 0.26],
+            [0.33, 0.43],
+            [0.20, 0.55],
+            [0.085, 0.66],
+            [0.062, 0.86],
+            [0.058, 1.06],
+            [0.075, 1.18],
+            [0.105, 1.225],
+            [0.10, 1.25],
+            [0.065, 1.23],
+            [0.036, 1.15],
+            [0.032, 1.0],
+            [0.03, 0.84],
+            [0.0, 0.82],
+        ],
+        glaze: [0.10, 0.38, 0.42],
+        trim: [0.75, 0.70, 0.55],
+        bands: &[[0.50, 0.54], [1.19, 2.0]],
+        place: [-1.02, 0.06],
+        slide: [0.14, 0.0],
+        phase: 0.25,
+    },
+    Vase {
+        name: "bowl vase",
+        controls: &[
+            [0.0, 0.0],
+            [0.15, 0.0],
+            [0.19, 0.01],
+            [0.17, 0.06],
+            [0.26, 0.12],
+            [0.46, 0.26],
+            [0.52, 0.44],
+            [0.42, 0.60],
+            [0.27, 0.66],
+            [0.25, 0.72],
+            [0.30, 0.775],
+            [0.315, 0.80],
+            [0.295, 0.82],
+            [0.245, 0.79],
+            [0.20, 0.71],
+            [0.21, 0.62],
+            [0.22, 0.52],
+            [0.12, 0.45],
+            [0.0, 0.45],
+        ],
+        glaze: [0.82, 0.80, 0.74],
+        trim: [0.10, 0.17, 0.45],
+        bands: &[[0.20, 0.24], [0.36, 0.50], [0.76, 2.0]],
+        place: [0.70, 0.60],
+        slide: [0.06, 0.05],
+        phase: 0.6,
+    },
+    Vase {
+        name: "flute",
+        controls: &[
+            [0.0, 0.0],
+            [0.19, 0.0],
+            [0.23, 0.01],
+            [0.21, 0.06],
+            [0.10, 0.12],
+            [0.075, 0.22],
+            [0.13, 0.36],
+            [0.19, 0.62],
+            [0.20, 0.90],
+            [0.215, 1.12],
+            [0.30, 1.27],
+            [0.345, 1.315],
+            [0.335, 1.345],
+            [0.275, 1.30],
+            [0.185, 1.17],
+            [0.16, 1.0],
+            [0.14, 0.80],
+            [0.0, 0.74],
+        ],
+        glaze: [0.70, 0.50, 0.14],
+        trim: [0.42, 0.16, 0.10],
+        bands: &[[-1.0, 0.09], [1.24, 2.0]],
+        place: [1.16, -0.36],
+        slide: [-0.05, 0.12],
+        phase: 0.4,
+    },
+    Vase {
+        name: "jar",
+        controls: &[
+            [0.0, 0.0],
+            [0.18, 0.0],
+            [0.225, 0.01],
+            [0.24, 0.09],
+            [0.29, 0.32],
+            [0.36, 0.58],
+            [0.37, 0.76],
+            [0.29, 0.89],
+            [0.19, 0.93],
+            [0.175, 0.98],
+            [0.205, 1.035],
+            [0.22, 1.055],
+            [0.20, 1.075],
+            [0.165, 1.05],
+            [0.135, 0.98],
+            [0.14, 0.90],
+            [0.15, 0.80],
+            [0.0, 0.72],
+        ],
+        glaze: [0.33, 0.45, 0.22],
+        trim: [0.80, 0.74, 0.58],
+        bands: &[[0.60, 0.63], [0.66, 0.74], [0.77, 0.80], [1.03, 2.0]],
+        place: [-0.42, 0.80],
+        slide: [-0.06, 0.08],
+        phase: 0.85,
+    },
+];
+
+/// The scene.
+pub(super) fn scene() -> Scene {
+    let ground_half_size = Vec3::new(2.2, 0.15, 1.9);
+    let mut objects = vec![Object {
+        name: "ground".into(),
+        mesh: Arc::new(shapes::slab(ground_half_size, [72, 62])),
+        material: Material { albedo: Vec3::new(0.62, 0.60, 0.56) },
+        sphere_count: 0,
+        spheres: None,
+        cluster_count: 5,
+        motion: Motion::Still(Pose::from_translation(Vec3::new(0.0, -ground_half_size.y, 0.0))),
+    }];
+    objects.extend(VASES.iter().map(|vase| Object {
+        name: vase.name.into(),
+        mesh: Arc::new(mesh(vase)),
+        material: Material::default(),
+        sphere_count: 4,
+        spheres: None,
+        cluster_count: 6,
+        motion: keyframes(|time| {
+            let swing = wave(time, 1.0, vase.phase);
+            let lift = 0.03 * (1.0 - wave(time, 1.0, vase.phase + 0.1));
+            let place =
+                Vec3::new(vase.place[0] + vase.slide[0] * swing, GAP + lift, vase.place[1] + vase.slide[1] * swing);
+            upright(place, (time * PI / 4.0) as f32 + 2.0 * vase.phase as f32, 1.0)
+        }),
+    }));
+    Scene {
+        name: "vases".into(),
+        objects,
+        environment: studio::studio(),
+        environment_turn_per_sec: 0.0,
+        lights: Vec::new(),
+        camera: Camera {
+            eye: Vec3::new(0.35, 2.15, 4.6),
+            target: Vec3::new(0.05, 0.52, 0.0),
+            vertical_fov_degrees: 33.0,
+            resolution: [800, 600],
+        },
+        frames_per_sec: FRAMES_PER_SEC,
+        frame_count: FRAME_COUNT,
+    }
+}
+
+fn mesh(vase: &Vase) -> Mesh {
+    let mut mesh = lathe(&profile(vase.controls, PROFILE_POINTS), SEGMENTS);
+    let (glaze, trim) = (Vec3::from(vase.glaze), Vec3::from(vase.trim));
+    let banded = |height: f32| vase.bands.iter().any(|[low, high]| (*low..=*high).contains(&height));
+    mesh.colors = mesh.positions.iter().map(|p| if banded(p.y) { trim } else { glaze }).collect();
+    mesh
+}
+
+/// `count` points, equally far apart along the uniform cubic B-spline of `controls` from axis to axis.
+///
+/// A B-spline stays within its control points' hull, so radii stay positive. At both ends the control polygon is
+/// continued by its mirror image: the curve starts on the axis, perpendicular to it.
+fn profile(controls: &[[f64; 2]], count: usize) -> Vec<ProfilePoint> {
+    let mirrored = |[radius, height]: [f64; 2]| DVec2::new(-radius, height);
+    let last = controls.len() - 1;
+    let mut points = vec![mirrored(controls[1])];
+    points.extend(controls.iter().map(|&c| DVec2::from(c)));
+    points.push(mirrored(controls[last - 1]));
+    const STEPS: usize = 64;
+    let mut fine: Vec<DVec2> = points
+        .windows(4)
+        .flat_map(|p| {
+            (0..STEPS).map(move |step| {
+                let t = step as f64 / STEPS as f64;
+                let (t2, t3) = (t * t, t * t * t);
+                (p[0] * (1.0 - 3.0 * t + 3.0 * t2 - t3)
+                    + p[1] * (4.0 - 6.0 * t2 + 3.0 * t3)
+                    + p[2] * (1.0 + 3.0 * t + 3.0 * t2 - 3.0 * t3)
+                    + p[3] * t3)
+                    / 6.0
+            })
+        })
+        .collect();
+    let end = points.len() - 3;
+    fine.push((points[end] + 4.0 * points[end + 1] + points[end + 2]) / 6.0);
+
+    let mut arc_length = vec![0.0];
+    for pair in fine.windows(2) {
+        arc_length.push(arc_length[arc_length.len() - 1] + pair[0].distance(pair[1]));
+    }
+    let total = arc_length[arc_length.len() - 1];
+    (0..count)
+        .map(|i| {
+            let goal = total * i as f64 / (count - 1) as f64;
+            let after = arc_length.partition_point(|&length| length < goal).clamp(1, fine.len() - 1);
+            let (before, span) = (after - 1, arc_length[after] - arc_length[after - 1]);
+            let point = fine[before].lerp(fine[after], (goal - arc_length[before]) / span);
+            let on_axis = i == 0 || i == count - 1;
+            ProfilePoint::smooth(if on_axis { 0.0 } else { point.x as f32 }, point.y as f32)
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::builtin::shapes::tests::check_solid;
+
+    #[test]
+    fn vases_are_solid_and_stand_on_their_foot() {
+        for vase in &VASES {
+            let mesh = mesh(vase);
+            check_solid(&mesh);
+            let lowest = mesh.positions.iter().map(|p| p.y).fold(f32::INFINITY, f32::min);
+            assert!((0.0..0.01).contains(&lowest), "{}: {lowest}", vase.name);
+        }
+    }
+
+    #[test]
+    fn vases_never_touch() {
+        let radius = |vase: &Vase| vase.controls.iter().map(|c| c[0] as f32).fold(0.0, f32::max);
+        let scene = scene();
+        for index in 0..scene.frame_count {
+            let frame = scene.frame(index);
+            for (i, a) in VASES.iter().enumerate() {
+                for (j, b) in VASES.iter().enumerate().skip(i + 1) {
+                    let between =
+                        frame.world_from_object[i + 1].translation - frame.world_from_object[j + 1].translation;
+                    let room = between.with_y(0.0).length() - radius(a) - radius(b);
+                    assert!(room > 0.03, "{} and {} at frame {index}: {room}", a.name, b.name);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_profile_is_spaced_evenly_and_starts_flat() {
+        let points = profile(VASES[0].controls, 200);
+        let lengths: Vec<f32> =
+            points.windows(2).map(|p| (p[1].radius - p[0].radius).hypot(p[1].height - p[0].height)).collect();
+        let (low, high) = lengths.iter().fold((f32::INFINITY, 0f32), |(l, h), &x| (l.min(x), h.max(x)));
+        // Chords are shorter than the arcs where the curve bends.
+        assert!(low > 0.93 * high, "{low} {high}");
+        assert!((points[1].height - points[0].height).abs() < 0.02 * lengths[0]);
+    }
+}
