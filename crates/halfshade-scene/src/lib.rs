@@ -5,6 +5,7 @@
 pub mod builtin;
 pub mod cache;
 pub mod camera;
+pub mod clusters;
 pub mod error;
 pub mod frame;
 pub mod light;
@@ -19,6 +20,7 @@ pub mod spheres;
 
 pub use cache::{Cache, CacheOutcome};
 pub use camera::Camera;
+pub use clusters::{Clusters, cluster};
 pub use error::SceneError;
 pub use frame::Frame;
 pub use light::{Environment, SphereLight};

@@ -1,7 +1,7 @@
 //! Receivers: the points whose outgoing radiance is asked for, as structures of arrays.
 
 use crate::Frame;
-use glam::Vec3;
+use glam::{Mat3, Vec3};
 use std::ops::Range;
 
 /// Owned receivers, one array per component.
@@ -37,15 +37,67 @@ pub struct Receivers<'a> {
 impl ReceiverBuffer {
     /// Every vertex of every object, in world space at `frame`.
     pub fn vertices(frame: &Frame<'_>) -> Self {
-        let mut buffer = Self::default();
-        for (number, (object, pose)) in frame.scene.objects.iter().zip(&frame.world_from_object).enumerate() {
+        let count = frame.scene.vertex_count();
+        let mut buffer = Self {
+            position: std::array::from_fn(|_| vec![0.0; count]),
+            normal: std::array::from_fn(|_| vec![0.0; count]),
+            albedo: std::array::from_fn(|_| Vec::with_capacity(count)),
+            object: Vec::with_capacity(count),
+            index: (0..count as u32).collect(),
+        };
+        for (number, object) in frame.scene.objects.iter().enumerate() {
             let mesh = &object.mesh;
-            for (vertex, (&position, &normal)) in mesh.positions.iter().zip(&mesh.normals).enumerate() {
+            for vertex in 0..mesh.positions.len() {
                 let albedo = object.material.albedo * mesh.colors.get(vertex).copied().unwrap_or(Vec3::ONE);
-                buffer.push(pose.transform_point(position), pose.transform_direction(normal), albedo, number as u32);
+                buffer.albedo.iter_mut().zip(albedo.to_array()).for_each(|(channel, value)| channel.push(value));
+                buffer.object.push(number as u32);
             }
         }
+        buffer.move_vertices(frame);
         buffer
+    }
+
+    /// Makes this [`ReceiverBuffer::vertices`] of `frame`, given that it was that of another frame of the same scene:
+    /// moves positions and normals in place and allocates nothing. A buffer of another length is made anew.
+    pub fn update_vertices(&mut self, frame: &Frame<'_>) {
+        if self.len() == frame.scene.vertex_count() {
+            self.move_vertices(frame);
+        } else {
+            *self = Self::vertices(frame);
+        }
+    }
+
+    fn move_vertices(&mut self, frame: &Frame<'_>) {
+        let mut first = 0;
+        for (object, pose) in frame.scene.objects.iter().zip(&frame.world_from_object) {
+            let mesh = &object.mesh;
+            let range = first..first + mesh.positions.len();
+            first = range.end;
+            // Per vertex, a matrix is cheaper than a quaternion.
+            let rotation = Mat3::from_quat(pose.rotation);
+            let scaled = rotation * pose.scale;
+            let [x, y, z] = self.position.each_mut().map(|axis| &mut axis[range.clone()]);
+            for (((x, y), z), &position) in x.iter_mut().zip(y).zip(z).zip(&mesh.positions) {
+                [*x, *y, *z] = (scaled * position + pose.translation).to_array();
+            }
+            let [x, y, z] = self.normal.each_mut().map(|axis| &mut axis[range.clone()]);
+            for (((x, y), z), &normal) in x.iter_mut().zip(y).zip(z).zip(&mesh.normals) {
+                [*x, *y, *z] = (rotation * normal).to_array();
+            }
+        }
+    }
+
+    /// Receivers from finished arrays; `None` if their lengths differ.
+    pub fn from_parts(
+        position: [Vec<f32>; 3],
+        normal: [Vec<f32>; 3],
+        albedo: [Vec<f32>; 3],
+        object: Vec<u32>,
+        index: Vec<u32>,
+    ) -> Option<Self> {
+        let mut components = position.iter().chain(&normal).chain(&albedo);
+        let fits = index.len() == object.len() && components.all(|component| component.len() == object.len());
+        fits.then_some(Self { position, normal, albedo, object, index })
     }
 
     /// Adds one receiver; its stable number is its place.
@@ -182,6 +234,101 @@ impl<'a> RadianceMut<'a> {
     pub fn set(&mut self, i: usize, radiance: Vec3) {
         for (channel, value) in self.channels.iter_mut().zip(radiance.to_array()) {
             channel[i] = value;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::builtin;
+
+    fn rows(view: &Receivers<'_>) -> Vec<(Vec3, Vec3, Vec3, u32, u32)> {
+        (0..view.len())
+            .map(|i| (view.position_at(i), view.normal_at(i), view.albedo_at(i), view.object[i], view.index[i]))
+            .collect()
+    }
+
+    #[test]
+    fn pushed_receivers_come_back() {
+        let given: Vec<_> = (0..5)
+            .map(|i| {
+                (Vec3::splat(i as f32), Vec3::new(0.0, 1.0, i as f32), Vec3::new(0.1 * i as f32, 0.5, 1.0), i / 2, i)
+            })
+            .collect();
+        let mut buffer = ReceiverBuffer::default();
+        assert!(buffer.is_empty() && buffer.view().is_empty());
+        for &(position, normal, albedo, object, _) in &given {
+            buffer.push(position, normal, albedo, object);
+        }
+        assert_eq!((buffer.len(), buffer.view().len()), (5, 5));
+        assert_eq!(rows(&buffer.view()), given);
+        // A slice keeps the numbers that its receivers had.
+        assert_eq!(rows(&buffer.view().slice(1..4)), given[1..4]);
+        assert_eq!(rows(&buffer.view().slice(1..4).slice(1..2)), given[2..3]);
+        assert!(buffer.view().slice(5..5).is_empty());
+    }
+
+    #[test]
+    fn vertices_stand_where_their_poses_put_them() {
+        let scene = builtin::scene("squirrel-and-balls").unwrap();
+        let frame = scene.frame(37);
+        let buffer = ReceiverBuffer::vertices(&frame);
+        assert_eq!(buffer.len(), scene.vertex_count());
+        let mut receiver = 0;
+        for (number, object) in scene.objects.iter().enumerate() {
+            let (mesh, pose) = (&object.mesh, &frame.world_from_object[number]);
+            for vertex in 0..mesh.positions.len() {
+                let (position, normal) = (buffer.view().position_at(receiver), buffer.view().normal_at(receiver));
+                assert!(position.distance(pose.transform_point(mesh.positions[vertex])) < 1e-6);
+                assert!(normal.distance(pose.transform_direction(mesh.normals[vertex])) < 1e-6);
+                let color = mesh.colors.get(vertex).copied().unwrap_or(Vec3::ONE);
+                assert_eq!(buffer.view().albedo_at(receiver), color * object.material.albedo);
+                assert_eq!((buffer.object[receiver], buffer.index[receiver]), (number as u32, receiver as u32));
+                receiver += 1;
+            }
+        }
+    }
+
+    #[test]
+    fn an_update_equals_a_new_buffer_and_moves_no_memory() {
+        let scene = builtin::scene("one-sphere").unwrap();
+        let mut buffer = ReceiverBuffer::vertices(&scene.frame(0));
+        let place = buffer.position[0].as_ptr();
+        for index in [50, 3, 110] {
+            buffer.update_vertices(&scene.frame(index));
+            assert_eq!(buffer, ReceiverBuffer::vertices(&scene.frame(index)));
+        }
+        assert_eq!(buffer.position[0].as_ptr(), place);
+        let other = builtin::scene("crowd").unwrap();
+        buffer.update_vertices(&other.frame(1));
+        assert_eq!(buffer, ReceiverBuffer::vertices(&other.frame(1)));
+    }
+
+    #[test]
+    fn parts_of_unequal_length_are_refused() {
+        let three = || std::array::from_fn(|_| vec![0.5f32; 2]);
+        let whole = ReceiverBuffer::from_parts(three(), three(), three(), vec![0, 1], vec![7, 9]).unwrap();
+        assert_eq!(rows(&whole.view())[1], (Vec3::splat(0.5), Vec3::splat(0.5), Vec3::splat(0.5), 1, 9));
+        let mut short = three();
+        short[2].pop();
+        assert!(ReceiverBuffer::from_parts(three(), short, three(), vec![0, 1], vec![7, 9]).is_none());
+        assert!(ReceiverBuffer::from_parts(three(), three(), three(), vec![0, 1], vec![7]).is_none());
+        assert!(ReceiverBuffer::from_parts(three(), three(), three(), vec![0], vec![7]).is_none());
+    }
+
+    #[test]
+    fn radiance_is_split_without_gap_or_overlap() {
+        let mut buffer = RadianceBuffer::zeros(7);
+        assert!(buffer.len() == 7 && !buffer.is_empty());
+        let (mut head, tail) = buffer.view_mut().split_at(3);
+        let (mut middle, mut last) = tail.split_at(4);
+        assert_eq!((head.len(), middle.len(), last.is_empty()), (3, 4, true));
+        (0..3).for_each(|i| head.set(i, Vec3::new(i as f32, 10.0, 20.0)));
+        (0..4).for_each(|i| middle.set(i, Vec3::new((i + 3) as f32, 10.0, 20.0)));
+        assert!(last.channels.iter_mut().all(|channel| channel.is_empty()));
+        for i in 0..7 {
+            assert_eq!(buffer.at(i), Vec3::new(i as f32, 10.0, 20.0));
         }
     }
 }
