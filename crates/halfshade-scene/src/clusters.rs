@@ -140,6 +140,7 @@ fn smallest_balls(points: &[DVec3], assignment: &[u32], count: usize) -> Vec<(DV
 mod tests {
     use super::*;
     use crate::builtin;
+    use crate::builtin::tests::built;
 
     fn check(positions: &[Vec3], clusters: &Clusters, count: usize) {
         assert_eq!((clusters.assignment.len(), clusters.bounds.len()), (positions.len(), count));
@@ -160,7 +161,7 @@ mod tests {
     #[test]
     fn every_object_of_the_built_in_scenes_is_covered() {
         for name in ["vases", "squirrel-and-balls"] {
-            let scene = builtin::scene(name).unwrap();
+            let scene = built(name);
             for object in &scene.objects {
                 let positions = &object.mesh.positions;
                 let clusters = cluster(positions, object.cluster_count, 1);

@@ -241,7 +241,7 @@ impl<'a> RadianceMut<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::builtin;
+    use crate::builtin::tests::built;
 
     fn rows(view: &Receivers<'_>) -> Vec<(Vec3, Vec3, Vec3, u32, u32)> {
         (0..view.len())
@@ -271,7 +271,7 @@ mod tests {
 
     #[test]
     fn vertices_stand_where_their_poses_put_them() {
-        let scene = builtin::scene("squirrel-and-balls").unwrap();
+        let scene = built("squirrel-and-balls");
         let frame = scene.frame(37);
         let buffer = ReceiverBuffer::vertices(&frame);
         assert_eq!(buffer.len(), scene.vertex_count());
@@ -292,7 +292,7 @@ mod tests {
 
     #[test]
     fn an_update_equals_a_new_buffer_and_moves_no_memory() {
-        let scene = builtin::scene("one-sphere").unwrap();
+        let scene = built("one-sphere");
         let mut buffer = ReceiverBuffer::vertices(&scene.frame(0));
         let place = buffer.position[0].as_ptr();
         for index in [50, 3, 110] {
@@ -300,7 +300,7 @@ mod tests {
             assert_eq!(buffer, ReceiverBuffer::vertices(&scene.frame(index)));
         }
         assert_eq!(buffer.position[0].as_ptr(), place);
-        let other = builtin::scene("crowd").unwrap();
+        let other = built("crowd");
         buffer.update_vertices(&other.frame(1));
         assert_eq!(buffer, ReceiverBuffer::vertices(&other.frame(1)));
     }

@@ -136,18 +136,19 @@ fn duck() -> Body {
 mod tests {
     use super::*;
     use crate::builtin::shapes::tests::check_solid;
+    use crate::builtin::tests::built;
 
     #[test]
     fn the_duck_is_solid_and_its_vertices_lie_on_it() {
-        let (mesh, duck) = (polygonize(&duck(), CELL), duck());
-        check_solid(&mesh);
+        let (mesh, duck) = (&built("ducks").objects[1].mesh, duck());
+        check_solid(mesh);
         assert!(mesh.positions.iter().all(|p| duck.sample(p.as_dvec3()).value.abs() < 1e-6));
         assert!(mesh.positions.iter().all(|p| p.y >= -1e-6));
     }
 
     #[test]
     fn ducks_never_touch() {
-        let (scene, body) = (scene(), duck());
+        let (scene, body) = (built("ducks"), duck());
         for index in (0..scene.frame_count).step_by(7) {
             let poses = scene.frame(index).world_from_object;
             for i in 1..poses.len() {

@@ -12,8 +12,8 @@ use glam::{DQuat, DVec3, DVec4, Vec3};
 pub(super) enum Primitive {
     /// An ellipsoid with its axes turned by `rotation`.
     Ellipsoid { center: DVec3, radii: DVec3, rotation: DQuat },
-    /// Spheres along a polyline, their radii interpolated linearly: (centre, radius).
-    Tube(Vec<(DVec3, f64)>),
+    /// Spheres along a polyline, their radii interpolated linearly: (centre, radius); and a sphere that contains it.
+    Tube { path: Vec<(DVec3, f64)>, bound: (DVec3, f64) },
 }
 
 /// A primitive, how it joins the parts before it, and its colour.
@@ -70,8 +70,10 @@ impl Body {
 
     /// Joins a tube along `path` of (x, y, z, radius).
     pub(super) fn tube(mut self, path: &[[f64; 4]], blend: f64, color: Vec3) -> Self {
-        let path = path.iter().map(|&[x, y, z, radius]| (DVec3::new(x, y, z), radius)).collect();
-        self.parts.push(Part { primitive: Primitive::Tube(path), blend, color });
+        let path: Vec<_> = path.iter().map(|&[x, y, z, radius]| (DVec3::new(x, y, z), radius)).collect();
+        let center = path.iter().map(|end| end.0).sum::<DVec3>() / path.len().max(1) as f64;
+        let reach = path.iter().map(|end| center.distance(end.0) + end.1).fold(0.0, f64::max);
+        self.parts.push(Part { primitive: Primitive::Tube { path, bound: (center, reach) }, blend, color });
         self
     }
 
@@ -106,6 +108,12 @@ impl Body {
     pub(super) fn sample(&self, point: DVec3) -> Sample {
         let mut sample = Sample { value: f64::INFINITY, gradient: DVec3::Y, color: Vec3::ONE };
         for part in &self.parts {
+            // Most samples lie so far from a tube that it leaves no trace: its value is no less than the distance.
+            if let Primitive::Tube { bound: (center, reach), .. } = part.primitive
+                && point.distance(center) - reach > sample.value + part.blend.max(self.color_softness)
+            {
+                continue;
+            }
             let (value, gradient) = part.primitive.value_and_gradient(point);
             if sample.value.is_infinite() {
                 sample = Sample { value, gradient, color: part.color };
@@ -137,7 +145,7 @@ impl Body {
             };
             match &part.primitive {
                 Primitive::Ellipsoid { center, radii, .. } => include(*center, radii.max_element()),
-                Primitive::Tube(path) => path.iter().for_each(|&(center, radius)| include(center, radius)),
+                Primitive::Tube { path, .. } => path.iter().for_each(|&(center, radius)| include(center, radius)),
             }
         }
         if let Some((height, _)) = self.base {
@@ -155,7 +163,7 @@ impl Primitive {
                 let (value, gradient) = ellipsoid(p, *radii);
                 (value, *rotation * gradient)
             }
-            Self::Tube(path) => path
+            Self::Tube { path, .. } => path
                 .windows(2)
                 .map(|ends| tapered_segment(point, ends[0], ends[1]))
                 .min_by(|a, b| a.0.total_cmp(&b.0))
@@ -198,9 +206,10 @@ fn smooth_minimum(a: f64, b: f64, blend: f64) -> (f64, f64) {
     (a.min(b) - 0.25 * h * h * blend, if b < a { 1.0 - weight_of_larger } else { weight_of_larger })
 }
 
-/// Points (x, y, z, radius) along the Catmull-Rom spline through `points`, eight per span.
+/// Points (x, y, z, radius) along the Catmull-Rom spline through `points`, sixteen per span:
+/// enough to hide the kinks of normals where segments join.
 pub(super) fn smooth_path(points: &[[f64; 4]]) -> Vec<[f64; 4]> {
-    const STEPS: usize = 8;
+    const STEPS: usize = 16;
     let at = |i: isize| DVec4::from(points[i.clamp(0, points.len() as isize - 1) as usize]);
     let mut path = Vec::with_capacity(STEPS * points.len());
     for i in 0..points.len() as isize - 1 {
@@ -281,9 +290,9 @@ mod tests {
     fn the_path_passes_through_its_points() {
         let points = [[0.0, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 2.0], [1.0, 1.0, 0.0, 3.0]];
         let path = smooth_path(&points);
-        assert_eq!(path.len(), 17);
+        assert_eq!(path.len(), 33);
         for (i, point) in points.iter().enumerate() {
-            assert!(DVec3::from_slice(&path[8 * i]).distance(DVec3::from_slice(point)) < 1e-12);
+            assert!(DVec3::from_slice(&path[16 * i]).distance(DVec3::from_slice(point)) < 1e-12);
         }
     }
 }

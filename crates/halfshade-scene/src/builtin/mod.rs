@@ -53,13 +53,18 @@ pub fn scene(name: &str) -> Option<Scene> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::Motion;
     use glam::Vec3;
+    use std::sync::LazyLock;
 
-    fn scenes() -> impl Iterator<Item = Scene> {
-        SCENES.iter().map(|(name, _)| scene(name).unwrap())
+    static BUILT: LazyLock<Vec<Scene>> =
+        LazyLock::new(|| SCENES.iter().map(|(name, _)| scene(name).unwrap()).collect());
+
+    /// A built-in scene, made once for all tests.
+    pub(crate) fn built(name: &str) -> &'static Scene {
+        BUILT.iter().find(|scene| scene.name == name).unwrap()
     }
 
     #[test]
@@ -68,7 +73,7 @@ mod tests {
         for (name, vertices, spheres, clusters) in
             [("squirrel-and-balls", 21_000, 14, 25), ("ducks", 33_000, 30, 40), ("vases", 15_000, 20, 35)]
         {
-            let scene = scene(name).unwrap();
+            let scene = built(name);
             let off = scene.vertex_count() as f64 / f64::from(vertices) - 1.0;
             assert!(off.abs() < 0.02, "{name}: {} vertices", scene.vertex_count());
             assert_eq!(scene.objects.iter().map(|o| o.sphere_count).sum::<usize>(), spheres, "{name}");
@@ -79,7 +84,7 @@ mod tests {
 
     #[test]
     fn scenes_are_named_and_moving() {
-        for ((name, summary), scene) in SCENES.iter().zip(scenes()) {
+        for ((name, summary), scene) in SCENES.iter().zip(BUILT.iter()) {
             assert_eq!(scene.name, *name);
             assert!(!summary.is_empty() && scene.frame_count >= 1);
             for object in &scene.objects {
@@ -93,7 +98,7 @@ mod tests {
 
     #[test]
     fn movements_are_continuous() {
-        for scene in scenes() {
+        for scene in BUILT.iter() {
             for object in &scene.objects {
                 let Motion::Keyframes(keys) = &object.motion else { continue };
                 assert!(keys.windows(2).all(|pair| pair[0].0 < pair[1].0));
@@ -109,7 +114,7 @@ mod tests {
 
     #[test]
     fn everything_stays_above_the_ground_and_near_it() {
-        for scene in scenes() {
+        for scene in BUILT.iter() {
             let top = scene.objects[0].mesh.positions.iter().map(|p| p.y).fold(f32::MIN, f32::max);
             let reach = scene.objects[0].mesh.positions.iter().copied().reduce(Vec3::max).unwrap();
             for index in (0..scene.frame_count).step_by(5) {

@@ -1,10 +1,11 @@
 //! From an implicit body to a triangle mesh that lies on it.
 
-use super::implicit::Body;
+use super::implicit::{Body, Sample};
 use crate::Mesh;
 use fast_surface_nets::ndshape::{RuntimeShape, Shape};
 use fast_surface_nets::{SurfaceNetsBuffer, surface_nets};
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// Rounds of moving vertices along the surface toward the middle of their neighbours.
 const RELAXATION_ROUNDS: usize = 4;
@@ -26,6 +27,7 @@ pub(super) fn polygonize(body: &Body, cell: f64) -> Mesh {
     let origin = 0.5 * (low + high - extent);
     let shape = RuntimeShape::<u32, 3>::new(size);
     let values: Vec<f32> = (0..shape.size())
+        .into_par_iter()
         .map(|i| {
             let corner = shape.delinearize(i).map(f64::from);
             body.sample(origin + cell * DVec3::from_array(corner)).value as f32
@@ -34,66 +36,73 @@ pub(super) fn polygonize(body: &Body, cell: f64) -> Mesh {
     let mut net = SurfaceNetsBuffer::default();
     surface_nets(&values, &shape, [0; 3], size.map(|n| n - 1), &mut net);
 
-    let mut points: Vec<DVec3> =
-        net.positions.iter().map(|&p| origin + cell * DVec3::from_array(p.map(f64::from))).collect();
     let triangles: Vec<[u32; 3]> = net.indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
-    points.iter_mut().for_each(|point| *point = project(body, *point, cell));
+    let mut vertices: Vec<Vertex> = net
+        .positions
+        .par_iter()
+        .map(|&position| project(body, origin + cell * DVec3::from_array(position.map(f64::from)), cell))
+        .collect();
     for _ in 0..RELAXATION_ROUNDS {
-        relax(body, &mut points, &triangles, cell);
+        vertices = relax(body, &vertices, &triangles, cell);
     }
-    let samples: Vec<_> = points.iter().map(|&point| body.sample(point)).collect();
     Mesh {
-        positions: points.iter().map(|point| point.as_vec3()).collect(),
-        normals: samples.iter().map(|sample| sample.gradient.normalize().as_vec3().normalize()).collect(),
-        colors: samples.iter().map(|sample| sample.color).collect(),
+        positions: vertices.iter().map(|(point, _)| point.as_vec3()).collect(),
+        normals: vertices.iter().map(|(_, sample)| sample.gradient.normalize().as_vec3().normalize()).collect(),
+        colors: vertices.iter().map(|(_, sample)| sample.color).collect(),
         triangles,
     }
 }
 
+/// A point, and the body there.
+type Vertex = (DVec3, Sample);
+
 /// The surface point that Newton's method reaches from `point`, each step at most a cell.
-fn project(body: &Body, mut point: DVec3, cell: f64) -> DVec3 {
+fn project(body: &Body, mut point: DVec3, cell: f64) -> Vertex {
+    let mut sample = body.sample(point);
     for _ in 0..20 {
-        let sample = body.sample(point);
-        if sample.value.abs() < 1e-12 {
+        if sample.value.abs() < 1e-10 {
             break;
         }
         let step = sample.value / sample.gradient.length_squared().max(1e-6) * sample.gradient;
         point -= step.clamp_length_max(cell);
+        sample = body.sample(point);
     }
-    point
+    (point, sample)
 }
 
 /// Moves every vertex halfway to the mean of its neighbours, tangentially, and back onto the surface.
 ///
 /// In a narrow crease this can fold triangles over; the corners of those stay where they were.
-fn relax(body: &Body, points: &mut [DVec3], triangles: &[[u32; 3]], cell: f64) {
-    let mut sums = vec![(DVec3::ZERO, 0.0); points.len()];
+fn relax(body: &Body, vertices: &[Vertex], triangles: &[[u32; 3]], cell: f64) -> Vec<Vertex> {
+    let mut neighbours = vec![(DVec3::ZERO, 0.0); vertices.len()];
     for triangle in triangles {
         for corner in 0..3 {
             let [from, to] = [triangle[corner] as usize, triangle[(corner + 1) % 3] as usize];
-            sums[from].0 += points[to];
-            sums[from].1 += 1.0;
-            sums[to].0 += points[from];
-            sums[to].1 += 1.0;
+            neighbours[from].0 += vertices[to].0;
+            neighbours[from].1 += 1.0;
+            neighbours[to].0 += vertices[from].0;
+            neighbours[to].1 += 1.0;
         }
     }
-    let before = points.to_vec();
-    let mut normals = Vec::with_capacity(points.len());
-    for (point, (sum, count)) in points.iter_mut().zip(sums) {
-        let normal = body.sample(*point).gradient.normalize();
-        let move_by = 0.5 * (sum / f64::max(count, 1.0) - *point);
-        *point = project(body, *point + move_by - move_by.dot(normal) * normal, cell);
-        normals.push(body.sample(*point).gradient.normalize());
-    }
-    let moved = points.to_vec();
+    let moved: Vec<Vertex> = vertices
+        .par_iter()
+        .zip(neighbours)
+        .map(|((point, sample), (sum, count))| {
+            let normal = sample.gradient.normalize();
+            let move_by = 0.5 * (sum / f64::max(count, 1.0) - point);
+            project(body, point + move_by - move_by.dot(normal) * normal, cell)
+        })
+        .collect();
+    let mut kept = moved.clone();
     for triangle in triangles {
         let corners = triangle.map(|i| i as usize);
-        let [a, b, c] = corners.map(|i| moved[i]);
+        let [a, b, c] = corners.map(|i| moved[i].0);
         let facing = (b - a).cross(c - a).normalize_or_zero();
-        if corners.iter().any(|&i| facing.dot(normals[i]) < FOLDED) {
-            corners.iter().for_each(|&i| points[i] = before[i]);
+        if corners.iter().any(|&i| facing.dot(moved[i].1.gradient.normalize()) < FOLDED) {
+            corners.iter().for_each(|&i| kept[i] = vertices[i]);
         }
     }
+    kept
 }
 
 #[cfg(test)]

@@ -116,7 +116,7 @@ pub(super) fn scene() -> Scene {
     Scene {
         name: "squirrel-and-balls".into(),
         objects,
-        environment: daylight::clear_sky(28.0, -60.0),
+        environment: daylight::clear_sky(33.0, -118.0),
         environment_turn_per_sec: 0.0,
         lights: Vec::new(),
         camera: Camera {
@@ -211,17 +211,18 @@ fn squirrel() -> Body {
 mod tests {
     use super::*;
     use crate::builtin::shapes::tests::check_solid;
+    use crate::builtin::tests::built;
 
     #[test]
     fn the_squirrel_is_solid_and_its_vertices_lie_on_it() {
-        let (mesh, squirrel) = (polygonize(&squirrel(), CELL), squirrel());
-        check_solid(&mesh);
+        let (mesh, squirrel) = (&built("squirrel-and-balls").objects[1].mesh, squirrel());
+        check_solid(mesh);
         assert!(mesh.positions.iter().all(|p| squirrel.sample(p.as_dvec3()).value.abs() < 1e-6));
     }
 
     #[test]
     fn nobody_runs_into_anybody() {
-        let scene = scene();
+        let scene = built("squirrel-and-balls");
         for index in 0..scene.frame_count {
             let poses = scene.frame(index).world_from_object;
             let squirrel_mesh = &scene.objects[1].mesh;
@@ -243,7 +244,7 @@ mod tests {
 
     #[test]
     fn balls_roll_without_slipping() {
-        let scene = scene();
+        let scene = built("squirrel-and-balls");
         let touching = |pose: &Pose| {
             // The ball's material point that touches the slope, in the ball's own space.
             let down = scene.frame(0).world_from_object[0].transform_direction(Vec3::NEG_Y);

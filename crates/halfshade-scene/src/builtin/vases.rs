@@ -282,6 +282,7 @@ fn profile(controls: &[[f64; 2]], count: usize) -> Vec<ProfilePoint> {
 mod tests {
     use super::*;
     use crate::builtin::shapes::tests::check_solid;
+    use crate::builtin::tests::built;
 
     #[test]
     fn vases_are_solid_and_stand_on_their_foot() {
@@ -296,7 +297,7 @@ mod tests {
     #[test]
     fn vases_never_touch() {
         let radius = |vase: &Vase| vase.controls.iter().map(|c| c[0] as f32).fold(0.0, f32::max);
-        let scene = scene();
+        let scene = built("vases");
         for index in 0..scene.frame_count {
             let frame = scene.frame(index);
             for (i, a) in VASES.iter().enumerate() {
@@ -319,5 +320,23 @@ mod tests {
         // Chords are shorter than the arcs where the curve bends.
         assert!(low > 0.93 * high, "{low} {high}");
         assert!((points[1].height - points[0].height).abs() < 0.02 * lengths[0]);
+    }
+
+    #[test]
+    fn no_profile_crosses_itself() {
+        let side = |a: DVec2, b: DVec2, p: DVec2| (b - a).perp_dot(p - a).signum();
+        for vase in &VASES {
+            let points: Vec<DVec2> = profile(vase.controls, PROFILE_POINTS)
+                .iter()
+                .map(|p| DVec2::new(p.radius.into(), p.height.into()))
+                .collect();
+            for i in 0..points.len() - 1 {
+                for j in i + 2..points.len() - 1 {
+                    let [a, b, c, d] = [points[i], points[i + 1], points[j], points[j + 1]];
+                    let crosses = side(a, b, c) != side(a, b, d) && side(c, d, a) != side(c, d, b);
+                    assert!(!crosses, "{}: edges {i} and {j}", vase.name);
+                }
+            }
+        }
     }
 }
