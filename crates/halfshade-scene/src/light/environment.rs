@@ -24,6 +24,14 @@ pub struct Sun {
     pub radiance: Vec3,
 }
 
+impl Sun {
+    /// Irradiance on a surface of unit `normal` in environment space if nothing blocks: exact, cut by the horizon.
+    pub fn irradiance(&self, normal: Vec3) -> Vec3 {
+        let cos_angle = f64::from(self.direction.dot(normal));
+        self.radiance * super::cap_irradiance(cos_angle, f64::from(self.angular_radius).sin()) as f32
+    }
+}
+
 /// Infinitely distant light in environment space.
 #[derive(Debug, Clone)]
 pub struct Environment {
