@@ -1,4 +1,15 @@
-//! Triangle meshes in object space.
+//! Triangle meshes in object space: loading, welding, repair, normals.
+
+mod normals;
+mod orient;
+mod repair;
+mod topology;
+mod weld;
+
+pub use normals::smooth_normals;
+pub use repair::repaired;
+pub use topology::{Body, Topology};
+pub use weld::{Welded, weld};
 
 use glam::Vec3;
 
@@ -15,4 +26,20 @@ pub struct Mesh {
     pub colors: Vec<Vec3>,
     /// Vertex indices of each triangle, each below `positions.len()`.
     pub triangles: Vec<[u32; 3]>,
+}
+
+impl Mesh {
+    /// Smallest and largest coordinates over all vertices; `None` for a mesh without any.
+    pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
+        let first = *self.positions.first()?;
+        Some(self.positions.iter().fold((first, first), |(min, max), p| (min.min(*p), max.max(*p))))
+    }
+}
+
+/// Twice the area of a triangle times its unit normal, in f64.
+///
+/// The product of two f32 differences is exact in f64 to about 1e-16 of itself: slivers keep their direction.
+fn doubled_area_vector([a, b, c]: [Vec3; 3]) -> glam::DVec3 {
+    let a = a.as_dvec3();
+    (b.as_dvec3() - a).cross(c.as_dvec3() - a)
 }
