@@ -1,0 +1,23 @@
+//! One receiver, made ready for sampling.
+
+use crate::directions::Axes;
+use glam::{DVec3, Vec3A};
+
+/// A receiver's frame, and where its rays start.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Receiver {
+    /// Where rays start, in tracing space.
+    pub(crate) ray_origin: Vec3A,
+    /// Position in world space.
+    pub(crate) position: DVec3,
+    /// Unit shading normal in world space.
+    pub(crate) normal: DVec3,
+    /// The same normal and its tangents.
+    pub(crate) axes: Axes,
+}
+
+impl Receiver {
+    pub(crate) fn new(ray_origin: Vec3A, position: DVec3, normal: DVec3) -> Self {
+        Self { ray_origin, position, normal, axes: Axes::around(normal) }
+    }
+}

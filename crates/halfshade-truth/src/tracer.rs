@@ -1,0 +1,213 @@
+//! Rays against one frame of a scene: closest hits, occlusion, the first hits of a picture.
+
+use crate::{
+    lights::Lights,
+    space::TracingSpace,
+    triangle::{ShearedRay, Triangle},
+};
+use glam::{DVec3, Vec3, Vec3A};
+use halfshade_scene::{Camera, Frame};
+use obvhs::{
+    Boundable, BvhBuildParams,
+    aabb::Aabb,
+    cwbvh::{CwBvh, builder::build_cwbvh},
+    ray::{Ray, RayHit},
+};
+use rayon::prelude::*;
+use std::time::Duration;
+
+/// Where a ray first meets the scene.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    /// The object's place in `scene.objects`.
+    pub object: u32,
+    /// The triangle's place in that object's `mesh.triangles`.
+    pub triangle: u32,
+    /// Weights of the triangle's three vertices, of sum 1.
+    pub barycentrics: Vec3,
+    /// Distance from the ray's origin, in lengths of its direction.
+    pub distance: f64,
+}
+
+/// A surface point, interpolated over the triangle that a ray hit: what a receiver is made of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Surface {
+    /// Position in world space.
+    pub position: Vec3,
+    /// Unit shading normal in world space, on the side that the ray came from if the mesh is seen from behind.
+    pub normal: Vec3,
+    /// Albedo.
+    pub albedo: Vec3,
+    /// The object's place in `scene.objects`.
+    pub object: u32,
+}
+
+/// One frame of a scene, ready for rays: the triangles of all objects in one hierarchy, the spheres, and the light.
+///
+/// Every mesh blocks, that of objects that only receive too; both faces of a triangle do. Vertices are moved to the
+/// world in single precision exactly as [`halfshade_scene::ReceiverBuffer::vertices`] moves them, so that receivers
+/// lie on the triangles to the last bit.
+#[derive(Debug)]
+pub struct Tracer {
+    pub(crate) space: TracingSpace,
+    bvh: CwBvh,
+    /// In the order of the hierarchy's leaves.
+    triangles: Vec<Triangle>,
+    /// Object and triangle number, in the same order.
+    owners: Vec<[u32; 2]>,
+    /// Centre in world space and radius of every sphere of every object that has a sphere set.
+    pub(crate) spheres: Vec<(DVec3, f64)>,
+    pub(crate) lights: Lights,
+}
+
+struct PaddedBox(Aabb);
+
+impl Boundable for PaddedBox {
+    fn aabb(&self) -> Aabb {
+        self.0
+    }
+}
+
+impl Tracer {
+    /// Builds the hierarchy for one frame. Triangles with a vertex that is not finite, or with two equal vertices, block
+    /// nothing and are left out.
+    pub fn new(frame: &Frame<'_>) -> Self {
+        let (mut corners, mut owners, mut spheres) = (Vec::new(), Vec::new(), Vec::new());
+        for (number, (object, pose)) in frame.scene.objects.iter().zip(&frame.world_from_object).enumerate() {
+            let positions: Vec<Vec3> = object.mesh.positions.iter().map(|&p| pose.transform_point(p)).collect();
+            for (triangle, vertices) in object.mesh.triangles.iter().enumerate() {
+                let [a, b, c] = vertices.map(|v| positions.get(v as usize).copied().unwrap_or(Vec3::NAN));
+                if a.is_finite() && b.is_finite() && c.is_finite() && a != b && b != c && c != a {
+                    corners.push([a, b, c]);
+                    owners.push([number as u32, triangle as u32]);
+                }
+            }
+            let set = object.spheres.iter().flat_map(|set| &set.spheres);
+            spheres.extend(set.map(|sphere| {
+                (pose.transform_point(sphere.center).as_dvec3(), f64::from(pose.scale) * f64::from(sphere.radius))
+            }));
+        }
+
+        let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for corner in corners.iter().flatten() {
+            min = min.min(corner.as_dvec3());
+            max = max.max(corner.as_dvec3());
+        }
+        let space = TracingSpace::around(min, max);
+        let corners: Vec<[Vec3A; 3]> =
+            corners.into_iter().map(|corner| corner.map(|point| space.point(point.as_dvec3()))).collect();
+        let padding = Vec3A::splat(space.padding());
+        let boxes: Vec<PaddedBox> = corners
+            .iter()
+            .map(|corner| {
+                let aabb = Aabb::from_points(corner);
+                PaddedBox(Aabb::new(aabb.min - padding, aabb.max + padding))
+            })
+            .collect();
+        let bvh = if boxes.is_empty() {
+            CwBvh::default()
+        } else {
+            build_cwbvh(&boxes, BvhBuildParams::medium_build(), &mut Duration::default())
+        };
+        let triangles = bvh.primitive_indices.iter().map(|&i| Triangle::new(corners[i as usize])).collect();
+        let owners = bvh.primitive_indices.iter().map(|&i| owners[i as usize]).collect();
+        Self { space, bvh, triangles, owners, spheres, lights: Lights::new(frame) }
+    }
+
+    /// How many triangles block.
+    pub fn triangle_count(&self) -> usize {
+        self.triangles.len()
+    }
+
+    /// How many spheres block in the sphere reference.
+    pub fn sphere_count(&self) -> usize {
+        self.spheres.len()
+    }
+
+    /// The first triangle along a ray in world space, or `None`; also `None` if the ray is not finite or has no
+    /// direction. The origin may lie anywhere: the ray is cut to the scene in double precision before it is traced.
+    pub fn closest_hit(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
+        let (ray, skipped) = self.clipped(origin, direction)?;
+        let sheared = ShearedRay::new(ray.origin, ray.direction);
+        let mut hit = RayHit::none();
+        self.bvh.ray_traverse(ray, &mut hit, |_, slot| self.triangles[slot].distance(&sheared)).then_some(())?;
+        let slot = hit.primitive_id as usize;
+        let crossing = self.triangles[slot].crossing(&sheared)?;
+        let [object, triangle] = self.owners[slot];
+        let distance =
+            self.space.length_in_world(skipped + f64::from(crossing.distance)) / f64::from(direction.length());
+        Some(Hit { object, triangle, barycentrics: crossing.barycentrics, distance })
+    }
+
+    /// Whether anything lies along a ray in world space, however far.
+    pub fn occluded(&self, origin: Vec3, direction: Vec3) -> bool {
+        self.clipped(origin, direction).is_some_and(|(ray, _)| !self.unoccluded(ray))
+    }
+
+    /// The ray in tracing space, moved forward to the scene's bounding sphere if it starts outside, and by how much it
+    /// was moved; `None` if it misses that sphere.
+    fn clipped(&self, origin: Vec3, direction: Vec3) -> Option<(Ray, f64)> {
+        let unit = direction.as_dvec3().try_normalize()?;
+        let start = self.space.exact_point(origin.as_dvec3());
+        let radius = TracingSpace::bounding_radius();
+        let skipped = if start.length() > radius {
+            let along = -start.dot(unit);
+            let half_chord_squared = radius * radius - (start + along * unit).length_squared();
+            (along > 0.0 && half_chord_squared > 0.0).then(|| along - half_chord_squared.sqrt())?
+        } else {
+            0.0
+        };
+        let start = start + skipped * unit;
+        (start.is_finite() && !self.triangles.is_empty())
+            .then(|| (tracing_ray(start.as_vec3a(), unit.as_vec3a(), f32::INFINITY), skipped))
+    }
+
+    /// Whether nothing lies along a ray in tracing space.
+    #[inline(always)]
+    pub(crate) fn unoccluded(&self, ray: Ray) -> bool {
+        let sheared = ShearedRay::new(ray.origin, ray.direction);
+        self.bvh.ray_traverse_miss(ray, |_, slot| self.triangles[slot].distance(&sheared))
+    }
+
+    /// The first hit through the centre of every pixel, row by row from the top.
+    pub fn primary_hits(&self, camera: &Camera) -> Vec<Option<Hit>> {
+        let [width, height] = camera.resolution;
+        (0..width as usize * height as usize)
+            .into_par_iter()
+            .map(|pixel| {
+                let (column, row) = (pixel % width as usize, pixel / width as usize);
+                self.closest_hit(camera.eye, camera.ray_direction(column as f32 + 0.5, row as f32 + 0.5))
+            })
+            .collect()
+    }
+
+    /// The surface point of a hit: position, normal and vertex colours interpolated over the triangle. `frame` is the
+    /// one that this tracer was built for, `direction` the ray's.
+    pub fn surface_at(&self, frame: &Frame<'_>, hit: &Hit, direction: Vec3) -> Surface {
+        let object = &frame.scene.objects[hit.object as usize];
+        let pose = &frame.world_from_object[hit.object as usize];
+        let (mesh, weights) = (&object.mesh, hit.barycentrics.as_dvec3().to_array());
+        let vertices = mesh.triangles[hit.triangle as usize].map(|v| v as usize);
+        let blend = |value: &dyn Fn(usize) -> Vec3| -> DVec3 {
+            vertices.iter().zip(weights).map(|(&vertex, weight)| weight * value(vertex).as_dvec3()).sum()
+        };
+        let position = blend(&|v| pose.transform_point(mesh.positions[v])).as_vec3();
+        let [a, b, c] = vertices.map(|v| pose.transform_point(mesh.positions[v]).as_dvec3());
+        let face = (b - a).cross(c - a).normalize_or(DVec3::Y);
+        let normal = blend(&|v| pose.transform_direction(mesh.normals[v])).normalize_or(face).as_vec3();
+        let seen_from_behind = face.dot(direction.as_dvec3()) > 0.0;
+        let colour = if mesh.colors.is_empty() { Vec3::ONE } else { blend(&|v| mesh.colors[v]).as_vec3() };
+        Surface {
+            position,
+            normal: if seen_from_behind { -normal } else { normal },
+            albedo: object.material.albedo * colour,
+            object: hit.object,
+        }
+    }
+}
+
+/// A ray for obvhs. Adding 0 turns -0, with which its wide nodes miss everything, into 0.
+#[inline(always)]
+pub(crate) fn tracing_ray(origin: Vec3A, direction: Vec3A, distance: f32) -> Ray {
+    Ray::new(origin, direction + Vec3A::ZERO, 0.0, distance)
+}

@@ -1,0 +1,144 @@
+//! A watertight test of a ray against a triangle.
+//!
+//! The method is that of Woop, Benthin and Wald, *Watertight Ray/Triangle Intersection*, JCGT 2(1), 2013: space is
+//! sheared so that the ray becomes the third axis, and the signs of three edge functions of the sheared vertices
+//! decide. A sheared vertex depends on the vertex and the ray alone, rounding is monotone, and an edge function of zero
+//! counts as inside for both neighbours, so no ray slips between two triangles that share an edge or a vertex.
+//!
+//! Laid out by axis instead of by vertex, the three vertices are sheared at once in one vector register.
+
+use glam::{Vec3, Vec3A};
+
+/// The three vertices of a triangle by axis: `rows[axis] = (v0[axis], v1[axis], v2[axis])`.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Triangle {
+    rows: [Vec3A; 3],
+}
+
+/// A ray, ready for tests against many triangles.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ShearedRay {
+    axes: [usize; 3],
+    origin: [f32; 3],
+    shear: [f32; 3],
+}
+
+/// Where a ray meets a triangle.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Crossing {
+    /// Distance in lengths of the ray's direction, positive.
+    pub(crate) distance: f32,
+    /// Weights of the three vertices, not negative, of sum 1.
+    pub(crate) barycentrics: Vec3,
+}
+
+impl ShearedRay {
+    /// A ray from `origin` along `direction`, which is neither zero nor infinite.
+    #[inline(always)]
+    pub(crate) fn new(origin: Vec3A, direction: Vec3A) -> Self {
+        let size = direction.abs();
+        // The order of the other two axes only mirrors the picture: both faces of a triangle block.
+        let axes = if size.x > size.y {
+            if size.x > size.z { [1, 2, 0] } else { [0, 1, 2] }
+        } else if size.y > size.z {
+            [2, 0, 1]
+        } else {
+            [0, 1, 2]
+        };
+        let (origin, direction) = (origin.to_array(), direction.to_array());
+        let inverse = 1.0 / direction[axes[2]];
+        Self {
+            axes,
+            origin: axes.map(|axis| origin[axis]),
+            shear: [direction[axes[0]] * inverse, direction[axes[1]] * inverse, inverse],
+        }
+    }
+}
+
+impl Triangle {
+    /// The triangle of three vertices.
+    pub(crate) fn new(vertices: [Vec3A; 3]) -> Self {
+        let [a, b, c] = vertices;
+        Self { rows: std::array::from_fn(|axis| Vec3A::new(a[axis], b[axis], c[axis])) }
+    }
+
+    /// Edge functions and sheared depths, if the line of the ray passes through the triangle.
+    #[inline(always)]
+    fn edges_and_depths(&self, ray: &ShearedRay) -> Option<(Vec3A, Vec3A)> {
+        let [kx, ky, kz] = ray.axes;
+        let z = self.rows[kz] - Vec3A::splat(ray.origin[2]);
+        let x = (self.rows[kx] - Vec3A::splat(ray.origin[0])) - ray.shear[0] * z;
+        let y = (self.rows[ky] - Vec3A::splat(ray.origin[1])) - ray.shear[1] * z;
+        use glam::Vec3Swizzles;
+        // No fused multiply-add here: rounding both products alike makes the function of an edge exactly the negative
+        // of its neighbour's.
+        let edges = x.zxy() * y.yzx() - y.zxy() * x.yzx();
+        let (negative, positive) = (edges.cmplt(Vec3A::ZERO).bitmask(), edges.cmpgt(Vec3A::ZERO).bitmask());
+        (negative == 0 || positive == 0).then_some((edges, z))
+    }
+
+    /// The distance at which the ray crosses the triangle, in lengths of its direction; infinite if it doesn't.
+    #[inline(always)]
+    pub(crate) fn distance(&self, ray: &ShearedRay) -> f32 {
+        let Some((edges, depths)) = self.edges_and_depths(ray) else { return f32::INFINITY };
+        let determinant = edges.element_sum();
+        let distance = edges.dot(depths) * ray.shear[2] / determinant;
+        // A determinant of 0 gives NaN or an infinity, which this comparison refuses too.
+        if distance > 0.0 && distance.is_finite() { distance } else { f32::INFINITY }
+    }
+
+    /// The crossing with its barycentric coordinates.
+    pub(crate) fn crossing(&self, ray: &ShearedRay) -> Option<Crossing> {
+        let (edges, _) = self.edges_and_depths(ray)?;
+        let distance = self.distance(ray);
+        let barycentrics = Vec3::from(edges / edges.element_sum());
+        (distance.is_finite() && barycentrics.is_finite()).then_some(Crossing { distance, barycentrics })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64Mcg;
+
+    fn random_point(rng: &mut Pcg64Mcg) -> Vec3A {
+        Vec3A::from_array(std::array::from_fn(|_| rng.random_range(-1.0_f32..1.0)))
+    }
+
+    #[test]
+    fn a_crossing_lies_on_the_ray_and_on_the_triangle() {
+        let mut rng = Pcg64Mcg::seed_from_u64(1);
+        let mut hits = 0;
+        for _ in 0..20_000 {
+            let vertices = [(); 3].map(|()| random_point(&mut rng));
+            let (origin, direction) = (3.0 * random_point(&mut rng), random_point(&mut rng).normalize());
+            let Some(crossing) = Triangle::new(vertices).crossing(&ShearedRay::new(origin, direction)) else {
+                continue;
+            };
+            let normal = (vertices[1] - vertices[0]).cross(vertices[2] - vertices[0]).normalize();
+            if normal.dot(direction).abs() < 1e-2 {
+                continue;
+            }
+            hits += 1;
+            let b = crossing.barycentrics;
+            let on_triangle = b.x * vertices[0] + b.y * vertices[1] + b.z * vertices[2];
+            assert!((origin + crossing.distance * direction).distance(on_triangle) < 1e-4);
+            assert!(b.min_element() >= 0.0 && (b.element_sum() - 1.0).abs() < 1e-5);
+        }
+        assert!(hits > 100);
+    }
+
+    #[test]
+    fn what_lies_behind_or_has_no_area_is_missed() {
+        let triangle = Triangle::new([Vec3A::X, Vec3A::Y, Vec3A::NEG_ONE.with_z(0.0)]);
+        let ray = |z: f32, d: f32| ShearedRay::new(Vec3A::new(0.0, 0.0, z), Vec3A::new(0.0, 0.0, d));
+        assert_eq!(triangle.distance(&ray(-2.0, 1.0)), 2.0);
+        assert_eq!(triangle.distance(&ray(2.0, -1.0)), 2.0);
+        assert_eq!(triangle.distance(&ray(2.0, 1.0)), f32::INFINITY);
+        let sliver = Triangle::new([Vec3A::X, Vec3A::NEG_X, Vec3A::ZERO]);
+        assert_eq!(sliver.distance(&ray(-2.0, 1.0)), f32::INFINITY);
+        let point = Triangle::new([Vec3A::ZERO; 3]);
+        assert_eq!(point.distance(&ray(-2.0, 1.0)), f32::INFINITY);
+    }
+}
