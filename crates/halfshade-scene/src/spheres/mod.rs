@@ -1,13 +1,23 @@
 //! Sphere sets: the geometry that blocks, in place of a mesh ([Guerrero2007, 4.1], [Wang2006]).
+//!
+//! [`SphereSet::build`] fits the leaf spheres. Parent spheres of [Guerrero2007, 4.1] are sets over a leaf set's spheres
+//! instead of a mesh; they will be further levels beside [`SphereSet::spheres`], which stays the leaf level.
 
 mod adjust;
+mod build;
+mod cover;
+mod points;
+mod solid;
+mod variational;
 
 pub use adjust::{AdjustRule, AdjustedSphere, FADE_HEIGHT, adjust, adjusted};
+pub use build::BuildOptions;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
+use serde::{Deserialize, Serialize};
 
 /// A sphere.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Sphere {
     /// Centre.
     pub center: Vec3,
@@ -16,15 +26,33 @@ pub struct Sphere {
 }
 
 /// A set of spheres that bounds a mesh: every point of the surface lies in at least one of them.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct SphereSet {
     /// The leaf spheres, in the mesh's own coordinates.
     pub spheres: Vec<Sphere>,
-    /// Volume of the union of the spheres outside the mesh, as a fraction of the mesh's volume.
+    /// Volume of the union of the spheres outside the mesh, as a fraction of the mesh's volume. Of a mesh that encloses
+    /// no volume: the volume of the union, as a fraction of the volume of a ball around the mesh (and a note says so).
     pub outside_volume_fraction: f64,
+    /// Half the range of three independent estimates of `outside_volume_fraction`, which is their mean.
+    pub outside_volume_error: f64,
     /// Largest distance by which a surface point lies outside every sphere; 0 for a set that bounds.
     pub bounding_violation: f64,
     /// By how much radii had to grow, after optimization over samples, so that the triangles are bounded: the largest
     /// growth as a fraction of the mesh's bounding-box diagonal.
     pub growth: f64,
+    /// What the user should know about the mesh: not closed, no volume.
+    pub notes: Vec<String>,
+}
+
+/// A sphere in the making, in double precision.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Ball {
+    center: DVec3,
+    radius: f64,
+}
+
+impl Ball {
+    fn contains(&self, point: DVec3) -> bool {
+        self.center.distance_squared(point) <= self.radius * self.radius
+    }
 }

@@ -1,0 +1,104 @@
+//! Whether spheres bound a triangle mesh: decided on the triangles, not on samples.
+//!
+//! A ball is convex, so that a triangle whose corners lie in one ball lies in it wholly. A triangle that lies in no
+//! single ball is cut in four at the middles of its edges, until its longest edge is below a tolerance; such a leaf
+//! counts as covered only if one ball holds it wholly. The answer errs on the safe side: a set that is said to bound
+//! does; a violation is overestimated by at most the tolerance.
+
+use super::Ball;
+use glam::DVec3;
+use rayon::prelude::*;
+
+type Triangle = [DVec3; 3];
+
+/// An upper bound of the distance by which the triangles reach outside every ball; 0 if the balls bound them. Exceeds
+/// the true distance by at most `tolerance`.
+pub(super) fn violation(triangles: &[Triangle], balls: &[Ball], tolerance: f64) -> f64 {
+    let of_triangle = |triangle: &Triangle| {
+        let mut largest = 0.0f64;
+        leaves(*triangle, balls, &mut candidates(triangle, balls), tolerance, &mut |leaf, near| {
+            let missing = near.iter().map(|&k| balls[k as usize].missing(leaf)).fold(f64::INFINITY, f64::min);
+            largest = largest.max(missing);
+        });
+        largest
+    };
+    // The maximum does not depend on the order, so that threads change no bit.
+    triangles.par_iter().map(of_triangle).reduce(|| 0.0, f64::max)
+}
+
+/// Grows radii until the balls bound the triangles, each uncovered leaf by the ball that needs to grow least, by no more
+/// than it needs. `round_up` makes a radius representable. Returns the largest growth.
+pub(super) fn grow_to_cover(
+    triangles: &[Triangle],
+    balls: &mut [Ball],
+    tolerance: f64,
+    round_up: impl Fn(f64) -> f64,
+) -> f64 {
+    let before: Vec<f64> = balls.iter().map(|ball| ball.radius).collect();
+    let fixed = &*balls;
+    let open: Vec<&Triangle> =
+        triangles.par_iter().filter(|triangle| violation(&[**triangle], fixed, tolerance) > 0.0).collect();
+    for triangle in open {
+        let mut uncovered = Vec::new();
+        leaves(*triangle, balls, &mut candidates(triangle, balls), tolerance, &mut |leaf, _| uncovered.push(*leaf));
+        for leaf in uncovered {
+            let nearest = (0..balls.len()).min_by(|&a, &b| balls[a].missing(&leaf).total_cmp(&balls[b].missing(&leaf)));
+            if let Some(ball) = nearest.map(|k| &mut balls[k]) {
+                if ball.missing(&leaf) > 0.0 {
+                    ball.radius = round_up(ball.radius + ball.missing(&leaf));
+                    // The sum may still be an ulp short.
+                    while ball.missing(&leaf) > 0.0 {
+                        ball.radius = round_up(ball.radius * (1.0 + f64::EPSILON));
+                    }
+                }
+            }
+        }
+    }
+    balls.iter().zip(before).map(|(ball, before)| ball.radius - before).fold(0.0, f64::max)
+}
+
+impl Ball {
+    /// How much the radius must grow to hold all three corners.
+    fn missing(&self, triangle: &Triangle) -> f64 {
+        let farthest = triangle.map(|corner| corner.distance_squared(self.center)).into_iter().fold(0.0, f64::max);
+        farthest.sqrt() - self.radius
+    }
+}
+
+/// Balls that may touch the triangle; all of them if none does, so that a violation has something to be measured to.
+fn candidates(triangle: &Triangle, balls: &[Ball]) -> Vec<u32> {
+    let middle = triangle.iter().sum::<DVec3>() / 3.0;
+    let reach = triangle.iter().map(|corner| corner.distance(middle)).fold(0.0, f64::max);
+    let near = |k: &u32| {
+        let ball = &balls[*k as usize];
+        ball.center.distance_squared(middle) <= (ball.radius + reach).powi(2)
+    };
+    let all = 0..balls.len() as u32;
+    let found: Vec<u32> = all.clone().filter(near).collect();
+    if found.is_empty() { all.collect() } else { found }
+}
+
+/// Calls `visit` with every leaf that no single ball holds, and the balls considered for it.
+fn leaves(
+    triangle: Triangle,
+    balls: &[Ball],
+    near: &mut Vec<u32>,
+    tolerance: f64,
+    visit: &mut impl FnMut(&Triangle, &[u32]),
+) {
+    if let Some(place) = near.iter().position(|&k| balls[k as usize].missing(&triangle) <= 0.0) {
+        // The ball that held the last piece probably holds the next.
+        near.swap(0, place);
+        return;
+    }
+    let [a, b, c] = triangle;
+    let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
+    if longest <= tolerance * tolerance {
+        visit(&triangle, near);
+        return;
+    }
+    let (ab, bc, ca) = (a.midpoint(b), b.midpoint(c), c.midpoint(a));
+    for piece in [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]] {
+        leaves(piece, balls, near, tolerance, visit);
+    }
+}
