@@ -6,12 +6,14 @@
 mod adjust;
 mod build;
 mod cover;
+mod overlap;
 mod points;
 mod solid;
 mod variational;
 
 pub use adjust::{AdjustRule, AdjustedSphere, FADE_HEIGHT, adjust, adjusted};
 pub use build::BuildOptions;
+pub use overlap::overlap_shares;
 
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
