@@ -1,0 +1,72 @@
+use super::*;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+fn random<const N: usize>(random: &mut Pcg64Mcg) -> [[f64; N]; LANES] {
+    std::array::from_fn(|_| std::array::from_fn(|_| f64::from(random.random_range(-1.0f32..1.0))))
+}
+
+fn gather<const N: usize>(vectors: &[[f64; N]; LANES]) -> ShBatch<N> {
+    std::array::from_fn(|i| f32x8::from(std::array::from_fn::<f32, LANES, _>(|lane| vectors[lane][i] as f32)))
+}
+
+fn lane<const N: usize>(batch: &ShBatch<N>, lane: usize) -> [f64; N] {
+    std::array::from_fn(|i| f64::from(batch[i].to_array()[lane]))
+}
+
+fn assert_close(actual: &[f64], expected: &[f64], scale: f64) {
+    assert_eq!(actual.len(), expected.len());
+    for (a, e) in actual.iter().zip(expected) {
+        assert!((a - e).abs() < 1e-5 * scale, "{a} {e}");
+    }
+}
+
+#[test]
+fn products_and_squares_agree_with_f64() {
+    let mut generator = Pcg64Mcg::seed_from_u64(1);
+    for bands in 1..=MAX_BANDS {
+        dispatch_bands!(bands, N => {
+            let (f, g) = (random::<N>(&mut generator), random::<N>(&mut generator));
+            let batch = product(&gather(&f), &gather(&g));
+            let squares = square(&gather(&f));
+            for at in 0..LANES {
+                let expected = crate::product::product(&f[at], &g[at]);
+                let scale = crate::basis::magnitude(&expected);
+                assert_close(&lane(&batch, at), &expected, scale);
+                let (f32s, g32s) = (f[at].map(|x| x as f32), g[at].map(|x| x as f32));
+                assert_close(&product_one(&f32s, &g32s).map(f64::from), &expected, scale);
+                let expected = crate::product::square(&f[at]);
+                let scale = crate::basis::magnitude(&expected);
+                assert_close(&lane(&squares, at), &expected, scale);
+                assert_close(&square_one(&f32s).map(f64::from), &expected, scale);
+            }
+        })
+        .unwrap();
+    }
+}
+
+#[test]
+fn basis_and_lobes_agree_with_f64() {
+    let mut generator = Pcg64Mcg::seed_from_u64(2);
+    for bands in 1..=MAX_BANDS {
+        dispatch_bands!(bands, N => {
+            let directions: [[f64; 3]; LANES] = random::<3>(&mut generator).map(|d| {
+                let length = crate::basis::magnitude(&d);
+                d.map(|x| x / length)
+            });
+            let values: [f32x8; N] = basis(gather(&directions));
+            let zonal: Vec<f64> = (0..bands).map(|l| 1.0 / (l + 1) as f64).collect();
+            let scale: Vec<f32x8> = (0..bands).map(|l| f32x8::splat((zonal[l] * crate::zonal::rotation_scale(l)) as f32)).collect();
+            let mut sum = [f32x8::splat(0.5); N];
+            accumulate_lobe(gather(&directions), &scale, &mut sum);
+            for (at, &direction) in directions.iter().enumerate() {
+                let expected = crate::basis::evaluate(bands, direction);
+                assert_close(&lane(&values, at), &expected, crate::basis::magnitude(&expected));
+                let lobe: Vec<f64> = crate::zonal::rotate_to_axis(&zonal, direction).iter().map(|x| x + 0.5).collect();
+                assert_close(&lane(&sum, at), &lobe, 1.0);
+            }
+        })
+        .unwrap();
+    }
+    assert!(dispatch_bands!(9, N => N).is_none());
+}
