@@ -56,6 +56,7 @@ pub fn scene(name: &str) -> Option<Scene> {
 pub(crate) mod tests {
     use super::*;
     use crate::Motion;
+    use crate::mesh::Topology;
     use glam::Vec3;
     use std::sync::LazyLock;
 
@@ -79,6 +80,17 @@ pub(crate) mod tests {
             assert_eq!(scene.objects.iter().map(|o| o.sphere_count).sum::<usize>(), spheres, "{name}");
             assert_eq!(scene.objects.iter().map(|o| o.cluster_count).sum::<usize>(), clusters, "{name}");
             assert!(scene.objects.iter().all(|o| o.cluster_count > 0));
+        }
+    }
+
+    #[test]
+    fn every_blocker_is_one_solid_body() {
+        for scene in BUILT.iter() {
+            for object in scene.objects.iter().filter(|object| object.sphere_count > 0) {
+                let topology = Topology::of(&object.mesh);
+                assert!(topology.is_solid() && topology.bodies.len() == 1, "{}: {topology:?}", object.name);
+                assert_eq!(topology.problems(), Vec::<String>::new(), "{}", object.name);
+            }
         }
     }
 
