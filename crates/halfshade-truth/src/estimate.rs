@@ -117,9 +117,9 @@ impl Estimate {
 
 /// Estimates the outgoing radiance of `receivers`.
 ///
-/// The hemisphere is that of the receiver's shading normal. Rays start a little above the surface (see
-/// [`crate::space`]); directions that lie above the shading normal's horizon and below the mesh's own faces are blocked
-/// where the mesh blocks them, as they would be by the real surface. Local lights emit and block nothing. A receiver
+/// The hemisphere is that of the receiver's shading normal. Rays start a millionth of the scene's half extent above the
+/// surface; directions that lie above the shading normal's horizon and below the mesh's own faces are blocked where the
+/// mesh blocks them, as they would be by the real surface. Local lights emit and block nothing. A receiver
 /// whose position or normal is not finite gets radiance 0.
 pub fn estimate(tracer: &Tracer, receivers: Receivers<'_>, options: &Options, progress: &dyn Progress) -> Estimate {
     let limit = options.max_samples.clamp(REPLICATES, MAX_SAMPLES);
@@ -226,9 +226,7 @@ impl<'a> Worker<'a> {
         if !(position.is_finite() && normal.is_finite()) {
             return value;
         }
-        let normal = normal.as_dvec3().normalize_or(DVec3::Y);
-        let ray_origin = self.tracer.space.ray_origin(position, normal.as_vec3());
-        let receiver = Receiver::new(ray_origin, position.as_dvec3(), normal);
+        let receiver = self.tracer.receiver(position, normal);
         let blocked = match (self.options.transport, self.options.geometry) {
             (Transport::Unshadowed, _) => false,
             (Transport::Shadowed, Geometry::Mesh) => self.tracer.triangle_count() > 0,
@@ -238,15 +236,17 @@ impl<'a> Worker<'a> {
             }
         };
 
+        if !blocked {
+            let integrals = self.tracer.lights.integrals();
+            value.unshadowed = integrals.map(|integral| self.tracer.lights.unshadowed(integral, &receiver)).sum();
+            value.irradiance = value.unshadowed;
+            return value;
+        }
         let mut replicates = [DVec3::ZERO; REPLICATES];
         let mut floor_squared = DVec3::ZERO;
         for (number, integral) in self.tracer.lights.integrals().enumerate() {
             let exact = self.tracer.lights.unshadowed(integral, &receiver);
             value.unshadowed += exact;
-            if !blocked {
-                replicates.iter_mut().for_each(|replicate| *replicate += exact);
-                continue;
-            }
             let sums = self.sums(integral, number as u32, &receiver, receivers.index[i], &mut value.rays);
             let points = self.points.as_slice().len() as f64;
             let [seen, all] = [0, 1].map(|j| sums.iter().map(|s| s.weight[j]).sum::<f64>());
@@ -301,12 +301,13 @@ impl<'a> Worker<'a> {
 /// Sets the visibility of every sample that carries light; returns how many rays that took.
 fn trace_mesh(tracer: &Tracer, origin: Vec3A, batch: &mut Batch) -> u64 {
     let mut rays = 0;
+    let slack = 0.5 * tracer.space.surface_offset();
     for k in 0..batch.len {
         batch.visible[k] = 0.0;
         if batch.carries_light(k) {
             rays += 1;
             let direction = Vec3A::new(batch.direction[0][k], batch.direction[1][k], batch.direction[2][k]);
-            batch.visible[k] = f32::from(tracer.unoccluded(tracing_ray(origin, direction, batch.distance[k])));
+            batch.visible[k] = f32::from(tracer.unoccluded(tracing_ray(origin, direction, batch.distance[k]), slack));
         }
     }
     rays

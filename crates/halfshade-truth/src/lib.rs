@@ -8,6 +8,7 @@ mod caps;
 mod directions;
 mod environment;
 mod estimate;
+mod inward;
 mod lights;
 mod map_irradiance;
 mod points;

@@ -1,6 +1,6 @@
 //! The space rays are traced in: the scene recentred and resized, so that single precision is spent on the scene alone.
 
-use glam::{DVec3, Vec3, Vec3A};
+use glam::{DVec3, Vec3A};
 
 /// Half the largest extent of the scene, in tracing space. obvhs drops what lies nearer than 1e-4 to a ray's origin
 /// (fixed in its nodes); at this size that is less than the spacing of single-precision numbers.
@@ -67,12 +67,6 @@ impl TracingSpace {
     pub(crate) fn surface_offset(&self) -> f32 {
         let world_rounding = 0.5 * f64::from(f32::EPSILON) * self.largest_world_coordinate;
         (1e-6 * HALF_EXTENT + 4.0 * self.length(world_rounding)) as f32
-    }
-
-    /// Where rays from a receiver start: its position, lifted along its normal.
-    #[inline]
-    pub(crate) fn ray_origin(&self, position_in_world: Vec3, normal: Vec3) -> Vec3A {
-        self.point(position_in_world.as_dvec3()) + self.surface_offset() * Vec3A::from(normal)
     }
 
     /// The scene's bounding sphere is centred at the origin of tracing space; this is its radius, with some room.

@@ -1,12 +1,14 @@
 //! Rays against one frame of a scene: closest hits, occlusion, the first hits of a picture.
 
 use crate::{
+    inward::Inward,
     lights::Lights,
+    receiver::Receiver,
     space::TracingSpace,
     triangle::{ShearedRay, Triangle},
 };
 use glam::{DVec3, Vec3, Vec3A};
-use halfshade_scene::{Camera, Frame};
+use halfshade_scene::{Camera, Frame, ReceiverBuffer};
 use obvhs::{
     Boundable, BvhBuildParams,
     aabb::Aabb,
@@ -44,9 +46,8 @@ pub struct Surface {
 
 /// One frame of a scene, ready for rays: the triangles of all objects in one hierarchy, the spheres, and the light.
 ///
-/// Every mesh blocks, that of objects that only receive too; both faces of a triangle do. Vertices are moved to the
-/// world in single precision exactly as [`halfshade_scene::ReceiverBuffer::vertices`] moves them, so that receivers
-/// lie on the triangles to the last bit.
+/// Every mesh blocks, that of objects that only receive too; both faces of a triangle do. Vertices stand
+/// where [`ReceiverBuffer::vertices`] puts them, so that receivers lie on the triangles to the last bit.
 #[derive(Debug)]
 pub struct Tracer {
     pub(crate) space: TracingSpace,
@@ -58,6 +59,7 @@ pub struct Tracer {
     /// Centre in world space and radius of every sphere of every object that has a sphere set.
     pub(crate) spheres: Vec<(DVec3, f64)>,
     pub(crate) lights: Lights,
+    inward: Inward,
 }
 
 struct PaddedBox(Aabb);
@@ -73,10 +75,15 @@ impl Tracer {
     /// nothing and are left out.
     pub fn new(frame: &Frame<'_>) -> Self {
         let (mut corners, mut owners, mut spheres) = (Vec::new(), Vec::new(), Vec::new());
+        let (vertices, mut first_vertex, mut inward) = (ReceiverBuffer::vertices(frame), 0, Inward::default());
         for (number, (object, pose)) in frame.scene.objects.iter().zip(&frame.world_from_object).enumerate() {
-            let positions: Vec<Vec3> = object.mesh.positions.iter().map(|&p| pose.transform_point(p)).collect();
-            for (triangle, vertices) in object.mesh.triangles.iter().enumerate() {
-                let [a, b, c] = vertices.map(|v| positions.get(v as usize).copied().unwrap_or(Vec3::NAN));
+            let count = object.mesh.positions.len();
+            let part = vertices.view().slice(first_vertex..first_vertex + count);
+            let positions: Vec<Vec3> = (0..count).map(|vertex| part.position_at(vertex)).collect();
+            inward.add(&object.mesh.triangles, &part);
+            first_vertex += count;
+            for (triangle, corner) in object.mesh.triangles.iter().enumerate() {
+                let [a, b, c] = corner.map(|v| positions.get(v as usize).copied().unwrap_or(Vec3::NAN));
                 if a.is_finite() && b.is_finite() && c.is_finite() && a != b && b != c && c != a {
                     corners.push([a, b, c]);
                     owners.push([number as u32, triangle as u32]);
@@ -111,7 +118,15 @@ impl Tracer {
         };
         let triangles = bvh.primitive_indices.iter().map(|&i| Triangle::new(corners[i as usize])).collect();
         let owners = bvh.primitive_indices.iter().map(|&i| owners[i as usize]).collect();
-        Self { space, bvh, triangles, owners, spheres, lights: Lights::new(frame) }
+        Self { space, bvh, triangles, owners, spheres, lights: Lights::new(frame), inward }
+    }
+
+    /// A receiver, its rays' origin lifted off the surface and, at the rim of a smooth patch, drawn onto the patch.
+    pub(crate) fn receiver(&self, position: Vec3, normal: Vec3) -> Receiver {
+        let unit = normal.as_dvec3().normalize_or(DVec3::Y);
+        let inward = self.inward.at(position, normal);
+        let lift = self.space.surface_offset() * Vec3A::from(unit.as_vec3() + inward);
+        Receiver::new(self.space.point(position.as_dvec3()) + lift, position.as_dvec3(), unit)
     }
 
     /// How many triangles block.
@@ -141,7 +156,7 @@ impl Tracer {
 
     /// Whether anything lies along a ray in world space, however far.
     pub fn occluded(&self, origin: Vec3, direction: Vec3) -> bool {
-        self.clipped(origin, direction).is_some_and(|(ray, _)| !self.unoccluded(ray))
+        self.clipped(origin, direction).is_some_and(|(ray, _)| !self.unoccluded(ray, 0.0))
     }
 
     /// The ray in tracing space, moved forward to the scene's bounding sphere if it starts outside, and by how much it
@@ -162,10 +177,10 @@ impl Tracer {
             .then(|| (tracing_ray(start.as_vec3a(), unit.as_vec3a(), f32::INFINITY), skipped))
     }
 
-    /// Whether nothing lies along a ray in tracing space.
+    /// Whether nothing lies along a ray in tracing space (see [`ShearedRay::with_slack`]).
     #[inline(always)]
-    pub(crate) fn unoccluded(&self, ray: Ray) -> bool {
-        let sheared = ShearedRay::new(ray.origin, ray.direction);
+    pub(crate) fn unoccluded(&self, ray: Ray, slack: f32) -> bool {
+        let sheared = ShearedRay::new(ray.origin, ray.direction).with_slack(slack);
         self.bvh.ray_traverse_miss(ray, |_, slot| self.triangles[slot].distance(&sheared))
     }
 

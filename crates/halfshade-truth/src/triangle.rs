@@ -21,6 +21,9 @@ pub(crate) struct ShearedRay {
     axes: [usize; 3],
     origin: [f32; 3],
     shear: [f32; 3],
+    /// How far behind its origin the ray still meets triangles that face it, and how far ahead it doesn't yet meet
+    /// those that face away.
+    slack: f32,
 }
 
 /// Where a ray meets a triangle.
@@ -37,7 +40,6 @@ impl ShearedRay {
     #[inline(always)]
     pub(crate) fn new(origin: Vec3A, direction: Vec3A) -> Self {
         let size = direction.abs();
-        // The order of the other two axes only mirrors the picture: both faces of a triangle block.
         let axes = if size.x > size.y {
             if size.x > size.z { [1, 2, 0] } else { [0, 1, 2] }
         } else if size.y > size.z {
@@ -51,7 +53,18 @@ impl ShearedRay {
             axes,
             origin: axes.map(|axis| origin[axis]),
             shear: [direction[axes[0]] * inverse, direction[axes[1]] * inverse, inverse],
+            slack: 0.0,
         }
+    }
+
+    /// The same ray, started anywhere within `slack` of a triangle: it meets those that face it up to that far behind its
+    /// origin, and doesn't meet those that face away until that far ahead.
+    ///
+    /// A receiver at the foot of a wall lies in the plane of the ground: rays that start there and go down cross the
+    /// ground at distance 0 and must not escape below, while those that go up must not be blocked by it.
+    #[inline(always)]
+    pub(crate) fn with_slack(self, slack: f32) -> Self {
+        Self { slack, ..self }
     }
 }
 
@@ -77,14 +90,17 @@ impl Triangle {
         (negative == 0 || positive == 0).then_some((edges, z))
     }
 
-    /// The distance at which the ray crosses the triangle, in lengths of its direction; infinite if it doesn't.
+    /// The distance at which the ray crosses the triangle, in lengths of its direction; infinite if it doesn't. Positive,
+    /// but for the ray's slack.
     #[inline(always)]
     pub(crate) fn distance(&self, ray: &ShearedRay) -> f32 {
         let Some((edges, depths)) = self.edges_and_depths(ray) else { return f32::INFINITY };
         let determinant = edges.element_sum();
         let distance = edges.dot(depths) * ray.shear[2] / determinant;
+        // The axes were permuted cyclically, so that the determinant's sign tells the faces apart.
+        let nearest = if determinant * ray.shear[2] > 0.0 { -ray.slack } else { ray.slack };
         // A determinant of 0 gives NaN or an infinity, which this comparison refuses too.
-        if distance > 0.0 && distance.is_finite() { distance } else { f32::INFINITY }
+        if distance > nearest && distance.is_finite() { distance } else { f32::INFINITY }
     }
 
     /// The crossing with its barycentric coordinates.
@@ -127,6 +143,17 @@ mod tests {
             assert!(b.min_element() >= 0.0 && (b.element_sum() - 1.0).abs() < 1e-5);
         }
         assert!(hits > 100);
+    }
+
+    #[test]
+    fn a_ray_with_slack_meets_only_the_face_that_it_starts_on() {
+        let up = Triangle::new([Vec3A::ZERO, Vec3A::Z * 4.0, Vec3A::X * 4.0]);
+        let mut rng = Pcg64Mcg::seed_from_u64(2);
+        for _ in 0..1000 {
+            let direction = random_point(&mut rng).normalize();
+            let ray = ShearedRay::new(Vec3A::new(1.0, 0.0, 1.0), direction).with_slack(1e-3);
+            assert_eq!(up.distance(&ray).is_finite(), direction.y < 0.0, "{direction}");
+        }
     }
 
     #[test]

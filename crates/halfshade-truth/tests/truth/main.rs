@@ -1,0 +1,6 @@
+//! The truth against closed forms, against itself, and at the extremes.
+
+mod closed_forms;
+mod estimator;
+mod scenes;
+mod self_shadowing;
