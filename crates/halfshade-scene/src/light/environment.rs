@@ -13,6 +13,17 @@ pub enum DistantLight {
     Map(Arc<EnvironmentMap>),
 }
 
+impl DistantLight {
+    /// Whether both give the same radiance from everywhere; a shared map is not compared texel by texel.
+    pub fn is_same_as(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Constant(a), Self::Constant(b)) => a == b,
+            (Self::Map(a), Self::Map(b)) => Arc::ptr_eq(a, b) || a == b,
+            _ => false,
+        }
+    }
+}
+
 /// A sun: a small cap of constant radiance, kept apart from the map because no map resolves it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sun {

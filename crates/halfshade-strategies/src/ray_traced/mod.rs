@@ -1,0 +1,230 @@
+//! A few shadow rays per receiver: what a user would pick today instead of a precomputed or band-limited method.
+//!
+//! ```text
+//! L ≈ albedo/π · 1/k · Σ L(ω_i) V(ω_i) max(n·ω_i, 0) / p(ω_i)
+//! ```
+//!
+//! with directions drawn by cosine, by light, or half and half with the density of the mixture, which is multiple
+//! importance sampling under the balance heuristic [Veach1995]. Unbiased; the standard error falls faster than 1/√k
+//! because the points are spread evenly. The hierarchy is rebuilt in `prepare` when a pose has changed.
+//!
+//! Shares no code with the truth: a mistake that both made would cancel out in the score.
+
+mod light_sampler;
+mod occlusion;
+mod points;
+
+use glam::{DVec3, Vec3};
+use halfshade_scene::{Frame, Pose, Progress, RadianceMut, Receivers, Scene};
+use halfshade_strategy::{
+    Baked, Effect, Effects, Footprint, Info, Parameter, ParameterKind, Params, Strategy, StrategyError,
+};
+use light_sampler::{LightSampler, cosine_direction};
+use occlusion::Occlusion;
+use points::Points;
+use std::f64::consts::PI;
+
+/// The strategy.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct RayTraced;
+
+struct Prepared {
+    samples: u32,
+    /// Share of directions drawn by cosine.
+    cosine_share: f64,
+    poses: Vec<Pose>,
+    occlusion: Option<Occlusion>,
+    light: Option<LightSampler>,
+}
+
+impl Strategy for RayTraced {
+    fn info(&self) -> Info {
+        Info {
+            name: "ray-traced",
+            summary: "a few shadow rays per receiver: what one would pick today instead",
+            source: "[Veach1995]",
+            parameters: vec![
+                Parameter {
+                    name: "samples",
+                    summary: "rays per receiver",
+                    kind: ParameterKind::Integer { default: 16, min: 1, max: 4096 },
+                },
+                Parameter {
+                    name: "sampling",
+                    summary: "how directions are drawn: by cosine, by light, or by both",
+                    kind: ParameterKind::Choice { values: &["cosine", "light", "mis"], default: "mis" },
+                },
+            ],
+            effects: Effects::of(&Effect::ALL),
+        }
+    }
+
+    fn bake(&self, _: &Scene, params: &Params, _: &dyn Progress) -> Result<Box<dyn Baked>, StrategyError> {
+        Ok(Box::new(Prepared {
+            samples: params.integer("samples") as u32,
+            cosine_share: match params.choice("sampling") {
+                "cosine" => 1.0,
+                "light" => 0.0,
+                _ => 0.5,
+            },
+            poses: Vec::new(),
+            occlusion: None,
+            light: None,
+        }))
+    }
+}
+
+impl Prepared {
+    fn radiance(&self, occlusion: &Occlusion, light: &LightSampler, position: Vec3, normal: Vec3, index: u32) -> Vec3 {
+        let axis = normal.as_dvec3().normalize_or(DVec3::Y);
+        let cosine_share = if self.cosine_share > 0.0 && light.is_constant() { 1.0 } else { self.cosine_share };
+        let power = light.power(position);
+        if power <= 0.0 {
+            return Vec3::ZERO;
+        }
+        let (plane, space) = (Points::<2>::new(index), Points::<3>::new(index));
+        let mut sum = DVec3::ZERO;
+        for i in 0..self.samples {
+            let direction = if cosine_share == 1.0 {
+                cosine_direction(axis, plane.at(i))
+            } else {
+                let [choice, u, v] = space.at(i);
+                if choice < cosine_share {
+                    cosine_direction(axis, [u, v])
+                } else {
+                    let choice = (choice - cosine_share) / (1.0 - cosine_share);
+                    light.sample(position, axis, power, [choice, u, v])
+                }
+            };
+            sum += self.one_sample(occlusion, light, position, axis, direction, cosine_share, power);
+        }
+        (sum / f64::from(self.samples)).as_vec3()
+    }
+
+    /// L V cosθ / (π p) along one direction.
+    #[expect(clippy::too_many_arguments, reason = "one receiver's state, in the innermost loop")]
+    fn one_sample(
+        &self,
+        occlusion: &Occlusion,
+        light: &LightSampler,
+        position: Vec3,
+        normal: DVec3,
+        direction: DVec3,
+        cosine_share: f64,
+        power: f64,
+    ) -> DVec3 {
+        let cosine = normal.dot(direction);
+        if cosine <= 0.0 {
+            return DVec3::ZERO;
+        }
+        let distant = light.distant_radiance(direction);
+        let local = light.local_radiance(position, direction);
+        let arriving = local.fold(distant, |sum, (radiance, _)| sum + radiance).as_dvec3();
+        let by_light = arriving.element_sum() / power;
+        let density = cosine_share * cosine / PI + (1.0 - cosine_share) * by_light;
+        if arriving == DVec3::ZERO || density <= 0.0 {
+            return DVec3::ZERO;
+        }
+        let (ray, lift) = (direction.as_vec3(), normal.as_vec3());
+        let seen = |distance| !occlusion.blocked(position, lift, ray, distance);
+        let mut radiance = if distant != Vec3::ZERO && seen(f32::INFINITY) { distant } else { Vec3::ZERO };
+        for (from_light, distance) in light.local_radiance(position, direction) {
+            if seen(distance) {
+                radiance += from_light;
+            }
+        }
+        radiance.as_dvec3() * (cosine / (PI * density))
+    }
+}
+
+impl Baked for Prepared {
+    fn footprint(&self) -> Footprint {
+        Footprint {
+            parts: vec![
+                ("hierarchy and triangles", self.occlusion.as_ref().map_or(0, Occlusion::bytes)),
+                ("light sampler", self.light.as_ref().map_or(0, LightSampler::bytes)),
+            ],
+        }
+    }
+
+    fn prepare(&mut self, frame: &Frame<'_>) -> Result<(), StrategyError> {
+        if self.occlusion.is_none() || self.poses != frame.world_from_object {
+            self.occlusion = Some(Occlusion::new(frame));
+            self.poses.clone_from(&frame.world_from_object);
+        }
+        self.light = Some(LightSampler::new(frame, self.light.take()));
+        Ok(())
+    }
+
+    fn shade(&self, receivers: Receivers<'_>, mut out: RadianceMut<'_>) {
+        let (Some(occlusion), Some(light)) = (&self.occlusion, &self.light) else {
+            (0..receivers.len()).for_each(|i| out.set(i, Vec3::ZERO));
+            return;
+        };
+        for i in 0..receivers.len() {
+            let (position, normal) = (receivers.position_at(i), receivers.normal_at(i));
+            let radiance = self.radiance(occlusion, light, position, normal, receivers.index[i]);
+            out.set(i, receivers.albedo_at(i) * radiance);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_scenes::with_spheres;
+    use halfshade_scene::{
+        Environment, Motion, RadianceBuffer, ReceiverBuffer, Sphere, SphereLight,
+        light::{EnvironmentMap, Sun},
+        progress::Silent,
+    };
+
+    fn shade(scene: &Scene, settings: &str, receivers: &ReceiverBuffer) -> RadianceBuffer {
+        let params = Params::parse(&RayTraced.info().parameters, settings).unwrap();
+        let mut baked = RayTraced.bake(scene, &params, &Silent).unwrap();
+        baked.prepare(&scene.frame(0)).unwrap();
+        let mut out = RadianceBuffer::zeros(receivers.len());
+        baked.shade(receivers.view(), out.view_mut());
+        out
+    }
+
+    /// Mean over receivers that differ in nothing but their number.
+    fn mean(scene: &Scene, settings: &str) -> f64 {
+        let mut receivers = ReceiverBuffer::default();
+        (0..64).for_each(|_| receivers.push(Vec3::ZERO, Vec3::Y, Vec3::ONE, 0));
+        let out = shade(scene, settings, &receivers);
+        out.channels[0].iter().map(|&x| f64::from(x)).sum::<f64>() / 64.0
+    }
+
+    #[test]
+    fn a_sphere_over_a_receiver_blocks_the_closed_form() {
+        let center = Vec3::new(1.0, 2.0, 0.5);
+        let scene = with_spheres(Environment::constant(Vec3::ONE), &[Sphere { center, radius: 0.8 }]);
+        let expected = 1.0 - 0.8f64.powi(2) / 5.25 * (2.0 / 5.25f64.sqrt());
+        for settings in ["samples=256,sampling=cosine", "samples=256,sampling=light", "samples=256"] {
+            // 64 × 256 samples: standard error below 3e-3 even by chance.
+            assert!((mean(&scene, settings) - expected).abs() < 5e-3, "{settings}: {}", mean(&scene, settings));
+        }
+    }
+
+    /// All three ways estimate the same number where the light is a map, a sun and a local sphere.
+    #[test]
+    fn the_three_ways_agree() {
+        let texels = (0..32 * 16).map(|i| Vec3::splat(0.2 + (i % 5) as f32)).collect();
+        let mut environment = Environment::map(EnvironmentMap::new(32, 16, texels).unwrap());
+        let direction = Vec3::new(0.5, 0.7, 0.2).normalize();
+        environment.sun = Some(Sun { direction, angular_radius: 0.3, radiance: Vec3::splat(20.0) });
+        let spheres = [
+            Sphere { center: Vec3::new(0.9, 1.5, 0.2), radius: 0.5 },
+            Sphere { center: Vec3::new(-0.8, 0.9, -0.4), radius: 0.4 },
+        ];
+        let mut scene = with_spheres(environment, &spheres);
+        let lamp = SphereLight { center: Vec3::new(-1.2, 2.0, 0.6), radius: 0.6, radiance: Vec3::splat(30.0) };
+        scene.lights.push((lamp, Motion::Still(Pose::IDENTITY)));
+        let reference = mean(&scene, "samples=2048,sampling=mis");
+        for (settings, tolerance) in [("samples=2048,sampling=cosine", 0.02), ("samples=2048,sampling=light", 0.02)] {
+            let relative = mean(&scene, settings) / reference - 1.0;
+            assert!(relative.abs() < tolerance, "{settings}: {relative}");
+        }
+    }
+}

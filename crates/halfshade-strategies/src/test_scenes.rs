@@ -1,0 +1,42 @@
+//! Scenes for unit tests.
+
+use glam::Vec3;
+use halfshade_scene::{
+    Camera, Environment, Material, Mesh, Motion, Object, Pose, Scene, Sphere, SphereSet, builtin::shapes,
+};
+use std::sync::Arc;
+
+/// No objects.
+pub(crate) fn empty(environment: Environment) -> Scene {
+    Scene {
+        name: "empty".into(),
+        objects: Vec::new(),
+        environment,
+        environment_turn_per_sec: 0.0,
+        lights: Vec::new(),
+        camera: Camera { eye: Vec3::Z, target: Vec3::ZERO, vertical_fov_degrees: 40.0, resolution: [8, 8] },
+        frames_per_sec: 30.0,
+        frame_count: 1,
+    }
+}
+
+/// Unit spheres, scaled and moved: meshes whose sphere sets are exact up to the mesh's own facets.
+pub(crate) fn with_spheres(environment: Environment, spheres: &[Sphere]) -> Scene {
+    let mesh: Arc<Mesh> = Arc::new(shapes::sphere(20));
+    let set = SphereSet { spheres: vec![Sphere { center: Vec3::ZERO, radius: 1.0 }], ..SphereSet::default() };
+    let set = Arc::new(set);
+    let mut scene = empty(environment);
+    scene.objects = spheres
+        .iter()
+        .map(|sphere| Object {
+            name: "sphere".into(),
+            mesh: mesh.clone(),
+            material: Material::default(),
+            sphere_count: 1,
+            spheres: Some(set.clone()),
+            cluster_count: 1,
+            motion: Motion::Still(Pose { scale: sphere.radius, ..Pose::from_translation(sphere.center) }),
+        })
+        .collect();
+    scene
+}

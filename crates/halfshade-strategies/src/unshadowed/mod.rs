@@ -1,0 +1,152 @@
+//! Light without visibility: what ignoring shadows costs, and the value that errors are compared with.
+//!
+//! ```text
+//! L = albedo/π · E(n)      E(n) = ∫ L_env(ω) max(n·ω, 0) dω + E_sun(n) + Σ E_light(p, n)
+//! ```
+//!
+//! Constant light, the sun and local spheres are closed forms. A map's irradiance is tabulated over normals in the
+//! environment's own space, so that turning the environment costs a rotation per receiver and no rebuilding. It isn't
+//! band-limited; its error is that of the cells ([`DirectionalCells`]) and of the interpolation, together below 5e-3 of
+//! the irradiance's mean at the default resolution.
+
+use glam::{Mat3, Vec3};
+use halfshade_scene::{
+    Frame, Progress, RadianceMut, Receivers, Scene, SphereLight,
+    light::{DirectionalCells, DistantLight, OctahedralGrid, Sun},
+};
+use halfshade_strategy::{
+    Baked, Effect, Effects, Footprint, Info, Parameter, ParameterKind, Params, Strategy, StrategyError,
+};
+use rayon::prelude::*;
+use std::f32::consts::PI;
+
+/// The strategy.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Unshadowed;
+
+#[derive(Debug)]
+struct Prepared {
+    base: DistantLight,
+    grid: OctahedralGrid,
+    /// Irradiance at each node of the grid; empty for constant light.
+    table: Vec<Vec3>,
+    sun: Option<Sun>,
+    environment_from_world: Mat3,
+    lights: Vec<SphereLight>,
+}
+
+impl Strategy for Unshadowed {
+    fn info(&self) -> Info {
+        Info {
+            name: "unshadowed",
+            summary: "light without visibility: what ignoring shadows costs",
+            source: "[Dachsbacher2017]",
+            parameters: vec![Parameter {
+                name: "normals",
+                summary: "cells from the centre of the table over normals to its side",
+                kind: ParameterKind::Integer { default: 32, min: 2, max: 256 },
+            }],
+            effects: Effects::of(&Effect::ALL),
+        }
+    }
+
+    fn bake(&self, scene: &Scene, params: &Params, _: &dyn Progress) -> Result<Box<dyn Baked>, StrategyError> {
+        let grid = OctahedralGrid::new(params.integer("normals") as usize);
+        let mut prepared = Prepared {
+            base: DistantLight::Constant(Vec3::ZERO),
+            grid,
+            table: Vec::new(),
+            sun: None,
+            environment_from_world: Mat3::IDENTITY,
+            lights: Vec::new(),
+        };
+        prepared.set_base(&scene.environment.base);
+        Ok(Box::new(prepared))
+    }
+}
+
+impl Prepared {
+    fn set_base(&mut self, base: &DistantLight) {
+        if self.base.is_same_as(base) {
+            return;
+        }
+        self.base = base.clone();
+        self.table = match base {
+            DistantLight::Constant(_) => Vec::new(),
+            DistantLight::Map(map) => {
+                let cells = DirectionalCells::new(map);
+                let nodes = 0..self.grid.node_count();
+                nodes.into_par_iter().map(|node| cells.irradiance(self.grid.direction(node))).collect()
+            }
+        };
+    }
+
+    fn irradiance(&self, position: Vec3, normal: Vec3) -> Vec3 {
+        let normal_in_environment = self.environment_from_world * normal;
+        let mut irradiance = match &self.base {
+            DistantLight::Constant(radiance) => PI * *radiance,
+            DistantLight::Map(_) => {
+                let found = self.grid.lookup(normal_in_environment);
+                (0..3).map(|k| found.weights[k] * self.table[found.nodes[k]]).sum()
+            }
+        };
+        if let Some(sun) = self.sun {
+            irradiance += sun.irradiance(normal_in_environment);
+        }
+        self.lights.iter().fold(irradiance, |sum, light| sum + light.irradiance(position, normal))
+    }
+}
+
+impl Baked for Prepared {
+    fn footprint(&self) -> Footprint {
+        Footprint { parts: vec![("irradiance over normals", size_of_val(self.table.as_slice()))] }
+    }
+
+    fn prepare(&mut self, frame: &Frame<'_>) -> Result<(), StrategyError> {
+        self.set_base(&frame.scene.environment.base);
+        self.sun = frame.scene.environment.sun;
+        self.environment_from_world = Mat3::from_quat(frame.world_from_environment.normalize().conjugate());
+        self.lights.clone_from(&frame.lights);
+        Ok(())
+    }
+
+    fn shade(&self, receivers: Receivers<'_>, mut out: RadianceMut<'_>) {
+        for i in 0..receivers.len() {
+            let irradiance = self.irradiance(receivers.position_at(i), receivers.normal_at(i));
+            out.set(i, receivers.albedo_at(i) * irradiance / PI);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use halfshade_scene::light::EnvironmentMap;
+    use std::sync::Arc;
+
+    /// The table against the sum over cells, which `DirectionalCells` tests against quadrature.
+    #[test]
+    fn interpolation_error_of_the_table() {
+        let texels = (0..64 * 32).map(|i| Vec3::new(if i % 97 == 0 { 50.0 } else { 0.1 }, 1.0, (i % 64) as f32 / 64.0));
+        let map = Arc::new(EnvironmentMap::new(64, 32, texels.collect()).unwrap());
+        let cells = DirectionalCells::new(&map);
+        let scene = crate::test_scenes::empty(halfshade_scene::Environment { base: DistantLight::Map(map), sun: None });
+        let params = Params::defaults(&Unshadowed.info().parameters);
+        let mut baked = Unshadowed.bake(&scene, &params, &halfshade_scene::progress::Silent).unwrap();
+        baked.prepare(&scene.frame(0)).unwrap();
+        let mut receivers = halfshade_scene::ReceiverBuffer::default();
+        for i in 0..500 {
+            let angle = i as f32 * 2.4;
+            let y = 1.0 - (i as f32 + 0.5) / 250.0;
+            let normal = Vec3::new(angle.cos() * (1.0 - y * y).sqrt(), y, angle.sin() * (1.0 - y * y).sqrt());
+            receivers.push(Vec3::ZERO, normal, Vec3::ONE, 0);
+        }
+        let mut out = halfshade_scene::RadianceBuffer::zeros(500);
+        baked.shade(receivers.view(), out.view_mut());
+        for i in 0..500 {
+            let exact = cells.irradiance(receivers.view().normal_at(i)) / PI;
+            // Small bright texels put kinks into the irradiance, which the triangles round off.
+            assert!((out.at(i) - exact).abs().max_element() < 5e-3 * exact.max_element(), "{i}: {} {exact}", out.at(i));
+        }
+    }
+}
