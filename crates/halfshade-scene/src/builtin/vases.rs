@@ -28,10 +28,12 @@ struct Vase {
     place: [f32; 2],
     slide: [f32; 2],
     phase: f64,
+    /// Leaf spheres: 20 in all, more where the shape has more parts.
+    spheres: usize,
 }
 
-/// Throats end a hand's breadth below the neck, where no eye and little light gets to: the solid below is what a set of
-/// four spheres can follow.
+/// Throats end a hand's breadth below the neck, where no eye and little light gets to: the solid below is what a few
+/// spheres can follow.
 const VASES: [Vase; 5] = [
     Vase {
         name: "amphora",
@@ -63,6 +65,7 @@ const VASES: [Vase; 5] = [
         place: [0.0, -0.35],
         slide: [0.0, 0.12],
         phase: 0.0,
+        spheres: 4,
     },
     Vase {
         name: "bottle",
@@ -92,6 +95,7 @@ const VASES: [Vase; 5] = [
         place: [-1.02, 0.06],
         slide: [0.14, 0.0],
         phase: 0.25,
+        spheres: 4,
     },
     Vase {
         name: "gourd",
@@ -127,6 +131,7 @@ const VASES: [Vase; 5] = [
         place: [0.70, 0.60],
         slide: [0.06, 0.05],
         phase: 0.6,
+        spheres: 5,
     },
     Vase {
         name: "flute",
@@ -156,6 +161,7 @@ const VASES: [Vase; 5] = [
         place: [1.16, -0.36],
         slide: [-0.05, 0.12],
         phase: 0.4,
+        spheres: 4,
     },
     Vase {
         name: "jar",
@@ -185,6 +191,7 @@ const VASES: [Vase; 5] = [
         place: [-0.42, 0.80],
         slide: [-0.06, 0.08],
         phase: 0.85,
+        spheres: 3,
     },
 ];
 
@@ -204,7 +211,7 @@ pub(super) fn scene() -> Scene {
         name: vase.name.into(),
         mesh: Arc::new(mesh(vase)),
         material: Material::default(),
-        sphere_count: 4,
+        sphere_count: vase.spheres,
         spheres: None,
         cluster_count: 6,
         motion: keyframes(|time| {
