@@ -8,7 +8,8 @@
 //! - `vases`: soft coloured panels in a dim room ([`studio`]), the easy case and the nearest to the probe's character:
 //!   the error that is left comes from visibility;
 //! - `ducks`: a clear sky with a high sun, the hard case: sharp shadows that few bands can't hold, in close quarters;
-//! - `squirrel-and-balls`: the same with a low sun, whose long shadows sweep over receivers far from their blockers.
+//! - `squirrel-and-balls`: the same sky, the sun low over the slope: long shadows sweep over receivers far
+//!   from their blockers.
 
 mod choreography;
 mod daylight;
