@@ -1,6 +1,7 @@
 //! Spherical and zonal harmonics: an f64 reference path beside batched f32 kernels.
 
 pub mod basis;
+pub mod blocker_table;
 pub mod exponential;
 pub mod kernel;
 pub mod logarithm;

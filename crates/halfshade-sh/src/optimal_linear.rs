@@ -8,7 +8,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 const LARGEST_MAGNITUDE: f64 = 4.8;
 
 /// Intervals of the tables; linear interpolation between them errs by less than 1e-5.
-const INTERVALS: usize = 512;
+const INTERVALS: usize = 256;
 
 /// a and b by magnitude for one number of bands.
 ///
@@ -31,7 +31,7 @@ impl OptimalLinear {
     /// It ends at magnitude 4.8, or where the logarithm of larger and larger blockers stops growing. With 1 band there
     /// is no f̂ and the table is empty.
     pub fn build(bands: usize, clip: f64) -> Self {
-        let log_blocker = |radius: f64| zonal_algebra::logarithm(&zonal::blocker(bands, radius.cos()), clip);
+        let log_blocker = |radius: f64| zonal_algebra::logarithm_of_blocker(&zonal::cap(bands, radius.cos()), clip);
         let magnitude = |radius: f64| isolated_magnitude(&log_blocker(radius));
         let steps = 512;
         let radius_at = |i: usize| FRAC_PI_2 * i as f64 / steps as f64;
@@ -50,10 +50,11 @@ impl OptimalLinear {
         }
         let step = limit / INTERVALS as f64;
         let mut entries = vec![(0.0, 1.0)];
+        let mut low = 0.0;
         for entry in 1..=INTERVALS {
             let target = step * entry as f64;
-            let (mut low, mut high) = (0.0, radius_at(end));
-            for _ in 0..60 {
+            let mut high = radius_at(end);
+            for _ in 0..40 {
                 let middle = 0.5 * (low + high);
                 if magnitude(middle) < target { low = middle } else { high = middle }
             }
@@ -84,6 +85,13 @@ impl OptimalLinear {
         let t = at - low as f64;
         let ((a0, b0), (a1, b1)) = (self.entries[low], self.entries[low + 1]);
         (a0 + t * (a1 - a0), b0 + t * (b1 - b0))
+    }
+}
+
+impl OptimalLinear {
+    /// (a - 1, b) at equally spaced magnitudes from 0 to the limit.
+    pub(crate) fn entries(&self) -> &[(f64, f64)] {
+        &self.entries
     }
 }
 

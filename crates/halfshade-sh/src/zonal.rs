@@ -8,17 +8,22 @@ use std::f64::consts::PI;
 /// `g_0 = sqrt(π)·(1 - cos θ)`, `g_l = sqrt(π/(2l+1))·(P_{l-1}(cos θ) - P_{l+1}(cos θ))`, in closed form from
 /// `∫ P_l = (P_{l+1} - P_{l-1})/(2l+1)`.
 pub fn cap(bands: usize, cos_radius: f64) -> Vec<f64> {
-    let c = cos_radius;
+    cap_from_versine(bands, 1.0 - cos_radius)
+}
+
+/// [`cap`] from `u = 1 - cos θ`, which keeps its relative accuracy for a tiny cap.
+pub fn cap_from_versine(bands: usize, u: f64) -> Vec<f64> {
+    let c = 1.0 - u;
     // (P_{l-1} - P_{l+1})/(1 - c²) satisfies the recurrence of P', which avoids the cancellation for small caps:
     // P_{l-1} - P_{l+1} = (2l+1)/(l(l+1)) (1-c²) P_l'.
-    let sine_squared = (1.0 - c) * (1.0 + c);
+    let sine_squared = u * (2.0 - u);
     let mut legendre = (1.0, c);
     let mut derivative = (0.0, 1.0);
     (0..bands)
         .map(|l| {
             let degree = l as f64;
             if l == 0 {
-                return PI.sqrt() * (1.0 - c);
+                return PI.sqrt() * u;
             }
             if l > 1 {
                 let next = ((2.0 * degree - 1.0) * c * legendre.1 - (degree - 1.0) * legendre.0) / degree;

@@ -1,26 +1,34 @@
 //! The product algebra of zonal functions: products of functions about one axis stay about it, so that logarithm and
 //! exponential need eigenvalues of a matrix of `bands` rows instead of `bands²`.
 
-use crate::product::tensor;
-use crate::zonal;
+use crate::logarithm::log_ratio;
+use crate::{basis, tripling, zonal};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use std::borrow::Cow;
+use std::sync::OnceLock;
 
-/// The (l, 0) rows and columns of the product matrix of a zonal function; eigenvectors of the whole matrix with
-/// m = 0 live here alone.
+/// `∫ y_a^0 y_b^0 y_c^0` as (a, b, c, value), every order of the three listed.
+fn zonal_tensor(bands: usize) -> Cow<'static, [(usize, usize, usize, f64)]> {
+    type Entries = Vec<(usize, usize, usize, f64)>;
+    static TENSORS: [OnceLock<Entries>; 17] = [const { OnceLock::new() }; 17];
+    let compute = || {
+        let index = |l: usize| basis::index(l, 0);
+        let all = |a: usize| (0..bands).flat_map(move |b| (0..bands).map(move |c| (a, b, c)));
+        let entry = |(a, b, c)| (a, b, c, tripling::coefficient(index(a), index(b), index(c)));
+        (0..bands).flat_map(all).map(entry).filter(|entry| entry.3 != 0.0).collect::<Entries>()
+    };
+    match TENSORS.get(bands) {
+        Some(slot) => slot.get_or_init(compute).as_slice().into(),
+        None => compute().into(),
+    }
+}
+
+/// The (l, 0) rows and columns of the product matrix of a zonal function; the eigenvectors of the whole matrix that a
+/// zonal vector meets live here alone.
 fn zonal_product_matrix(g: &[f64]) -> DMatrix<f64> {
-    let bands = g.len();
-    let band_of = |i: usize| (0..bands).find(|l| l * (l + 1) == i);
-    let mut matrix = DMatrix::zeros(bands, bands);
-    for triple in tensor(bands).iter() {
-        let zonal = [triple.i, triple.j, triple.k].into_iter().all(|i| band_of(i).is_some());
-        if !zonal {
-            continue;
-        }
-        for [i, j, k] in triple.permutations() {
-            if let (Some(row), Some(column), Some(l)) = (band_of(i), band_of(j), band_of(k)) {
-                matrix[(row, column)] += triple.value * g[l];
-            }
-        }
+    let mut matrix = DMatrix::zeros(g.len(), g.len());
+    for &(a, b, c, value) in zonal_tensor(g.len()).iter() {
+        matrix[(a, b)] += value * g[c];
     }
     matrix
 }
@@ -41,7 +49,16 @@ fn one(bands: usize) -> DVector<f64> {
 /// [`crate::logarithm::logarithm`] of a zonal function, zonal in and out, with the same `clip`.
 pub fn logarithm(g: &[f64], clip: f64) -> Vec<f64> {
     let difference = DVector::from_column_slice(g) - one(g.len());
-    through_eigenvalues(zonal_product_matrix(g), difference, |x| crate::logarithm::log_ratio(x.max(clip)))
+    through_eigenvalues(zonal_product_matrix(g), difference, |x| log_ratio(x.max(clip)))
+}
+
+/// Logarithm of the blocker `1 - cap`, from the cap: as [`logarithm`], but accurate relative to a tiny cap as well.
+pub fn logarithm_of_blocker(cap: &[f64], clip: f64) -> Vec<f64> {
+    let difference = -DVector::from_column_slice(cap);
+    through_eigenvalues(zonal_product_matrix(cap), difference, |x| {
+        let clipped = (-x).max(clip - 1.0);
+        if clipped == 0.0 { 1.0 } else { clipped.ln_1p() / clipped }
+    })
 }
 
 /// [`crate::exponential::full_series`] of a zonal function, zonal in and out.
@@ -61,6 +78,10 @@ mod tests {
             for radius in [0.01, 0.3, 0.95, 1.5] {
                 let blocker = zonal::blocker(bands, f64::cos(radius));
                 let log = super::logarithm(&blocker, DEFAULT_CLIP);
+                let from_cap = logarithm_of_blocker(&zonal::cap(bands, f64::cos(radius)), DEFAULT_CLIP);
+                for (a, b) in log.iter().zip(from_cap) {
+                    assert!((a - b).abs() < 1e-11);
+                }
                 let general = logarithm::logarithm(&zonal::to_spherical(&blocker), DEFAULT_CLIP);
                 for (a, b) in zonal::to_spherical(&log).iter().zip(&general) {
                     assert!((a - b).abs() < 1e-10, "{bands} {radius}: {a} {b}");

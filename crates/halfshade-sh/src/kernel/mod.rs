@@ -4,10 +4,12 @@
 //! gets there from a runtime number of bands. Every lane's result depends on that lane's input alone, so that results
 //! have the same bits however receivers are grouped.
 
+mod exponential;
 mod lane;
 mod straight_line;
 mod table;
 
+pub use exponential::{BatchExponential, limit_to_visibility};
 pub use lane::Lane;
 pub use straight_line::{accumulate_lobe, basis, product, product_one, square, square_one};
 

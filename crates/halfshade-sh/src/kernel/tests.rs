@@ -1,4 +1,7 @@
 use super::*;
+use crate::exponential::{Exponential, Method};
+use crate::logarithm::DEFAULT_CLIP;
+use crate::{zonal, zonal_algebra};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -69,4 +72,66 @@ fn basis_and_lobes_agree_with_f64() {
         .unwrap();
     }
     assert!(dispatch_bands!(9, N => N).is_none());
+}
+
+/// Sums of random log blockers, one per lane, of growing number: from 0 to 7 times `most`/7.
+fn log_sums<const N: usize>(generator: &mut Pcg64Mcg, most: usize) -> [[f64; N]; LANES] {
+    let bands = N.isqrt();
+    std::array::from_fn(|lane| {
+        let mut sum = [0.0; N];
+        for _ in 0..lane * most / 7 {
+            let direction: [f64; 3] = std::array::from_fn(|_| generator.random_range(-1.0..1.0));
+            let length = crate::basis::magnitude(&direction);
+            let radius = generator.random_range(0.02f64..0.7);
+            let log = zonal_algebra::logarithm(&zonal::blocker(bands, radius.cos()), DEFAULT_CLIP);
+            let lobe = zonal::rotate_to_axis(&log, direction.map(|x| x / length));
+            sum.iter_mut().zip(lobe).for_each(|(s, l)| *s += l);
+        }
+        sum.map(|x| f64::from(x as f32))
+    })
+}
+
+fn methods() -> [Method; 5] {
+    [
+        Method::Series { terms: 4, magnitude_limit: None },
+        Method::Series { terms: 4, magnitude_limit: Some(1.0) },
+        Method::OptimalLinear,
+        Method::Hybrid { magnitude_limit: 0.25 },
+        Method::Hybrid { magnitude_limit: 4.8 },
+    ]
+}
+
+#[test]
+fn exponentials_agree_with_f64() {
+    let mut generator = Pcg64Mcg::seed_from_u64(3);
+    for bands in 1..=MAX_BANDS {
+        for method in methods() {
+            let exponential = Exponential::new(bands, method, DEFAULT_CLIP);
+            let batch_exponential = BatchExponential::new(&exponential).unwrap();
+            dispatch_bands!(bands, N => {
+                let sums = log_sums::<N>(&mut generator, 14);
+                let batch = batch_exponential.evaluate(&gather(&sums));
+                for (at, sum) in sums.iter().enumerate() {
+                    assert_close(&lane(&batch, at), &exponential.evaluate(sum), 3.6);
+                }
+            })
+            .unwrap();
+        }
+    }
+}
+
+#[test]
+fn neighbours_change_no_bit() {
+    let mut generator = Pcg64Mcg::seed_from_u64(4);
+    for method in methods() {
+        let exponential = BatchExponential::new(&Exponential::new(4, method, DEFAULT_CLIP)).unwrap();
+        let sums = log_sums::<16>(&mut generator, 70);
+        let together = exponential.evaluate(&gather(&sums));
+        for (at, sum) in sums.iter().enumerate() {
+            let mut alone = [[0.0; 16]; LANES];
+            alone[5] = *sum;
+            let alone = exponential.evaluate(&gather(&alone));
+            assert_eq!(lane(&alone, 5), lane(&together, at), "{method:?}");
+        }
+    }
 }

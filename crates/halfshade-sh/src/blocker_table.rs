@@ -1,0 +1,176 @@
+//! Tables of blocker and log-blocker zonal vectors by angular radius, for the f32 kernels.
+//!
+//! The variable is `u = 1 - cos θ` in (0, 1], proportional to the solid angle. What is stored is the vector divided by
+//! u, which is smooth and has a finite limit at u = 0: so a tiny blocker's lookup is right to first order however
+//! coarse the table, and goes to exactly 0 with the blocker. The receiver's side gives `sin²θ = r²/d²`, from which
+//! `u = sin²θ/(1 + cos θ)` without cancellation and without any inverse trigonometric function.
+
+use crate::kernel::{LANES, MAX_BANDS};
+use crate::{zonal, zonal_algebra};
+use wide::f32x8;
+
+/// Intervals of a table: 4 bands then take 64 KiB. Relative error of a lookup is below 2e-4 where the logarithm's
+/// eigenvalues clip, 1e-6 elsewhere.
+pub const INTERVALS: usize = 2048;
+
+/// u that stands for the limit at 0: small enough for the limit, large enough for `1 - u` to be exact.
+const NEARLY_ZERO: f64 = 1.0 / (1u64 << 26) as f64;
+
+/// What a table holds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Quantity {
+    /// The logarithm of the blocker, eigenvalues clipped here [Guerrero2007, eq. 3.34 and 4.2 Precomputation].
+    Logarithm {
+        /// See [`crate::logarithm::logarithm`].
+        clip: f64,
+    },
+    /// The blocker minus the constant 1: minus the cap.
+    BlockerMinusOne,
+}
+
+impl Quantity {
+    /// The zonal vector at angular radius θ, `u = 1 - cos θ`.
+    pub fn zonal(self, bands: usize, u: f64) -> Vec<f64> {
+        match self {
+            Self::Logarithm { clip } => zonal_algebra::logarithm_of_blocker(&zonal::cap_from_versine(bands, u), clip),
+            Self::BlockerMinusOne => zonal::cap_from_versine(bands, u).iter().map(|g| -g).collect(),
+        }
+    }
+}
+
+/// A table of zonal vectors for angular radii up to π/2, ready for eight lookups at a time.
+///
+/// Entries carry the factor `sqrt(4π/(2l+1))` of the rotation to an axis, so that a lookup's result is the `scale` that
+/// [`crate::kernel::accumulate_lobe`] takes.
+#[derive(Debug, Clone)]
+pub struct BlockerTable {
+    bands: usize,
+    /// Per interval, `ROW_PARTS` rows of four values and their four differences to the next interval: one aligned
+    /// load per lane, and a transpose turns eight of them into lanes.
+    rows: Vec<[f32; LANES]>,
+    parts: usize,
+}
+
+/// Bands in one row.
+const ROW_BANDS: usize = LANES / 2;
+
+impl BlockerTable {
+    /// Tabulates `quantity` for 1 to 8 bands; `None` for any other number.
+    pub fn build(bands: usize, quantity: Quantity) -> Option<Self> {
+        if !(1..=MAX_BANDS).contains(&bands) {
+            return None;
+        }
+        let parts = bands.div_ceil(ROW_BANDS);
+        let ratio = |interval: usize| -> [f64; MAX_BANDS] {
+            let u = (interval as f64 / INTERVALS as f64).max(NEARLY_ZERO);
+            let vector = quantity.zonal(bands, u);
+            std::array::from_fn(|l| vector.get(l).map_or(0.0, |g| g * zonal::rotation_scale(l) / u))
+        };
+        let mut rows = Vec::with_capacity(INTERVALS * parts);
+        let mut here = ratio(0);
+        for interval in 0..INTERVALS {
+            let next = ratio(interval + 1);
+            for part in 0..parts {
+                rows.push(std::array::from_fn(|column| {
+                    let l = part * ROW_BANDS + column % ROW_BANDS;
+                    if column < ROW_BANDS { here[l] as f32 } else { (next[l] - here[l]) as f32 }
+                }));
+            }
+            here = next;
+        }
+        Some(Self { bands, rows, parts })
+    }
+
+    /// Bands per entry.
+    pub fn bands(&self) -> usize {
+        self.bands
+    }
+
+    /// Memory in bytes.
+    pub fn bytes(&self) -> usize {
+        std::mem::size_of_val(self.rows.as_slice())
+    }
+
+    /// Zonal vectors, times `sqrt(4π/(2l+1))`, for eight blockers of the given squared sines of angular radius; bands
+    /// past [`bands`](Self::bands) are 0.
+    ///
+    /// Sines are clamped to [0, 1] (NaN counts as 0). 0 gives exactly 0.
+    #[inline(always)]
+    pub fn lookup(&self, sin_squared: f32x8) -> [f32x8; MAX_BANDS] {
+        let sin_squared = sin_squared.max(f32x8::ZERO).min(f32x8::ONE);
+        let cosine = (f32x8::ONE - sin_squared).sqrt();
+        let u = sin_squared / (f32x8::ONE + cosine);
+        let at = u * f32x8::splat(INTERVALS as f32);
+        let last = f32x8::splat((INTERVALS - 1) as f32);
+        let interval = at.floor().min(last);
+        let t = at - interval;
+        let intervals = interval.trunc_int().to_array();
+        let mut values = [f32x8::ZERO; MAX_BANDS];
+        for part in 0..self.parts {
+            let rows = intervals.map(|interval| f32x8::from(self.rows[interval as usize * self.parts + part]));
+            let columns = f32x8::transpose(rows);
+            for l in 0..ROW_BANDS {
+                values[part * ROW_BANDS + l] = columns[ROW_BANDS + l].mul_add(t, columns[l]) * u;
+            }
+        }
+        values
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::basis;
+    use crate::logarithm::DEFAULT_CLIP;
+
+    /// Error of the lookup relative to the vector's magnitude, at `sines`.
+    fn errors(bands: usize, quantity: Quantity, sines: &[f64]) -> Vec<f64> {
+        let table = BlockerTable::build(bands, quantity).unwrap();
+        sines
+            .iter()
+            .map(|&sine| {
+                let squared = (sine * sine) as f32;
+                let found = table.lookup(f32x8::splat(squared));
+                let squared = f64::from(squared);
+                let u = squared / (1.0 + (1.0 - squared).sqrt());
+                let expected = quantity.zonal(bands, u);
+                let difference: Vec<f64> = (0..bands)
+                    .map(|l| f64::from(found[l].to_array()[3]) / zonal::rotation_scale(l) - expected[l])
+                    .collect();
+                basis::magnitude(&difference) / basis::magnitude(&expected)
+            })
+            .collect()
+    }
+
+    #[test]
+    fn lookups_are_close_at_every_radius() {
+        let sines: Vec<f64> = (0..400).map(|i| 10f64.powf(-6.0 * f64::from(i) / 399.0)).collect();
+        for bands in [1, 3, 4, 6, 8] {
+            let worst = |quantity| errors(bands, quantity, &sines).into_iter().fold(0.0, f64::max);
+            let blocker = worst(Quantity::BlockerMinusOne);
+            assert!(blocker < 4e-6, "{bands}: {blocker}");
+            let log = worst(Quantity::Logarithm { clip: DEFAULT_CLIP });
+            assert!(log < 5e-3, "{bands}: {log}");
+        }
+        // Away from the clipping, small blockers are as accurate as f32.
+        let small: Vec<f64> = sines.iter().copied().filter(|&s| s < 0.3).collect();
+        let worst = errors(4, Quantity::Logarithm { clip: DEFAULT_CLIP }, &small).into_iter().fold(0.0, f64::max);
+        assert!(worst < 2e-6, "{worst}");
+    }
+
+    #[test]
+    fn limits_are_defined() {
+        let table = BlockerTable::build(4, Quantity::Logarithm { clip: DEFAULT_CLIP }).unwrap();
+        let found = table.lookup(f32x8::from([0.0, -1.0, f32::NAN, 2.0, 1.0, f32::INFINITY, 1e-30, 1e-12]));
+        for value in &found[..4] {
+            let lanes = value.to_array();
+            assert_eq!(lanes[..3], [0.0; 3]);
+            assert_eq!(lanes[3], lanes[4]);
+            assert_eq!(lanes[5], lanes[4]);
+            assert!(lanes.iter().all(|x| x.is_finite()));
+            assert!(lanes[6] != 0.0);
+        }
+        assert!(BlockerTable::build(0, Quantity::BlockerMinusOne).is_none());
+        assert!(BlockerTable::build(9, Quantity::BlockerMinusOne).is_none());
+    }
+}

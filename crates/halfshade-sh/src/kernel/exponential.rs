@@ -1,0 +1,186 @@
+//! The SH exponential of eight vectors at a time, the f32 twin of [`crate::exponential`].
+
+use super::{LANES, ShBatch, product, square};
+use crate::exponential::{Exponential, MAX_SQUARINGS, Method, SERIES_MAGNITUDE};
+use wide::f32x8;
+
+/// `sqrt(4π)`.
+const FULL: f32 = 3.544_907_7;
+
+/// An [`Exponential`] with its table in f32.
+#[derive(Debug, Clone)]
+pub struct BatchExponential {
+    method: BatchMethod,
+    table: LinearTable,
+    bands: usize,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum BatchMethod {
+    Series { terms: u32, magnitude_limit: f32 },
+    Linear { magnitude_limit: f32 },
+}
+
+/// (a - 1, b) and their differences to the next entry.
+#[derive(Debug, Clone)]
+struct LinearTable {
+    limit: f32,
+    per_magnitude: f32,
+    entries: Vec<[f32; 4]>,
+}
+
+impl LinearTable {
+    /// (a - 1, b) by magnitude, as [`crate::optimal_linear::OptimalLinear::coefficients`].
+    #[inline]
+    fn coefficients(&self, magnitude: f32x8) -> (f32x8, f32x8) {
+        let limit = f32x8::splat(self.limit);
+        let at = magnitude.min(limit) * f32x8::splat(self.per_magnitude);
+        let low = at.floor().min(f32x8::splat((self.entries.len() - 1) as f32));
+        let t = at - low;
+        let rows = low.trunc_int().to_array().map(|entry| self.entries[entry as usize]);
+        let column = |c: usize| f32x8::from(rows.map(|row| row[c]));
+        let a = column(2).mul_add(t, column(0));
+        let b = column(3).mul_add(t, column(1));
+        let past = magnitude.simd_gt(limit);
+        (a, past.select(b * limit / magnitude.max(f32x8::splat(f32::MIN_POSITIVE)), b))
+    }
+}
+
+impl BatchExponential {
+    /// The f32 form of `exponential`, or `None` if it has more bands than the kernels.
+    pub fn new(exponential: &Exponential) -> Option<Self> {
+        if !(1..=super::MAX_BANDS).contains(&exponential.bands()) {
+            return None;
+        }
+        let method = match exponential.method() {
+            Method::Series { terms, magnitude_limit } => BatchMethod::Series {
+                terms: terms.clamp(1, 16),
+                magnitude_limit: magnitude_limit.map_or(f32::INFINITY, |limit| limit as f32),
+            },
+            Method::OptimalLinear => BatchMethod::Linear { magnitude_limit: f32::INFINITY },
+            Method::Hybrid { magnitude_limit } => BatchMethod::Linear { magnitude_limit: magnitude_limit as f32 },
+        };
+        let table = exponential.table();
+        let limit = table.limit();
+        let entries = table.entries();
+        let table = LinearTable {
+            limit: limit as f32,
+            per_magnitude: if limit > 0.0 { ((entries.len() - 1) as f64 / limit) as f32 } else { 0.0 },
+            entries: (0..entries.len())
+                .map(|i| {
+                    let ((a, b), next) = (entries[i], entries[(i + 1).min(entries.len() - 1)]);
+                    [a as f32, b as f32, (next.0 - a) as f32, (next.1 - b) as f32]
+                })
+                .collect(),
+        };
+        Some(Self { method, table, bands: exponential.bands() })
+    }
+
+    /// Bands of the vectors it takes.
+    pub fn bands(&self) -> usize {
+        self.bands
+    }
+
+    /// Visibility from sums of log blockers, as [`Exponential::evaluate`].
+    ///
+    /// Within 1e-5 of it relative to `sqrt(4π)`, for magnitudes up to several thousand. A lane that needs fewer
+    /// squarings than its neighbours keeps its value through theirs.
+    ///
+    /// # Panics
+    /// If `N` is not `bands²`.
+    pub fn evaluate<const N: usize>(&self, f: &ShBatch<N>) -> ShBatch<N> {
+        assert_eq!(N, self.bands * self.bands, "one number of bands");
+        let mut h = *f;
+        let constant = std::mem::take(&mut h[0]) * f32x8::splat(1.0 / FULL);
+        let magnitude = h.iter().fold(f32x8::ZERO, |sum, &value| value.mul_add(value, sum)).sqrt();
+        let limit = match self.method {
+            BatchMethod::Series { magnitude_limit, .. } | BatchMethod::Linear { magnitude_limit } => magnitude_limit,
+        };
+        let (squarings, scale, most) = squarings(magnitude, limit);
+        let scaled = magnitude * scale;
+        let mut offset = f32x8::ZERO;
+        match self.method {
+            BatchMethod::Series { terms, .. } => {
+                let cap = f32x8::splat(SERIES_MAGNITUDE as f32);
+                let shorten = scaled.simd_gt(cap).select(cap / scaled, f32x8::ONE) * scale;
+                h.iter_mut().for_each(|value| *value *= shorten);
+                h = series(&h, terms);
+            }
+            BatchMethod::Linear { .. } => {
+                let (a, b) = self.table.coefficients(scaled);
+                offset = a;
+                let b = b * scale;
+                h.iter_mut().for_each(|value| *value *= b);
+            }
+        }
+        let exponent = constant * scale;
+        let difference = exponent.exp_m1();
+        let factor = difference + f32x8::ONE;
+        h.iter_mut().for_each(|value| *value *= factor);
+        h[0] = factor.mul_add(offset, difference).mul_add(f32x8::splat(FULL), h[0]);
+        limit_difference(&mut h);
+        for round in 0..most {
+            let mut squared = square(&h);
+            let two = f32x8::splat(2.0);
+            squared.iter_mut().zip(&h).for_each(|(s, &h)| *s = two.mul_add(h, *s));
+            limit_difference(&mut squared);
+            let active = f32x8::splat(round as f32).simd_lt(squarings);
+            h.iter_mut().zip(squared).for_each(|(h, s)| *h = active.select(s, *h));
+        }
+        h[0] += f32x8::splat(FULL);
+        h
+    }
+}
+
+/// Per lane the number of squarings p and `2^-p`, and the largest p.
+#[inline]
+fn squarings(magnitude: f32x8, limit: f32) -> (f32x8, f32x8, u32) {
+    let (mut p, mut scale) = ([0.0; LANES], [1.0; LANES]);
+    let mut most = 0;
+    for (lane, magnitude) in magnitude.to_array().into_iter().enumerate() {
+        let mut scaled = magnitude;
+        let mut count = 0;
+        while scaled > limit && count < MAX_SQUARINGS {
+            scaled *= 0.5;
+            scale[lane] *= 0.5;
+            count += 1;
+        }
+        p[lane] = count as f32;
+        most = most.max(count);
+    }
+    (f32x8::from(p), f32x8::from(scale), most)
+}
+
+/// `f̂ + f̂*f̂/2 + ..` by Horner's scheme.
+fn series<const N: usize>(isolated: &ShBatch<N>, terms: u32) -> ShBatch<N> {
+    let mut sum = isolated.map(|value| value * f32x8::splat(1.0 / terms as f32));
+    for k in (1..terms).rev() {
+        let higher = product(isolated, &sum);
+        let share = f32x8::splat(1.0 / k as f32);
+        sum.iter_mut().zip(isolated.iter().zip(higher)).for_each(|(s, (&f, h))| *s = (f + h) * share);
+    }
+    sum
+}
+
+/// The constraint of [`crate::exponential::limit_to_visibility`] on `h = V - 1`.
+#[inline(always)]
+fn limit_difference<const N: usize>(h: &mut ShBatch<N>) {
+    let full = f32x8::splat(FULL);
+    h[0] = h[0].max(-full).min(f32x8::ZERO);
+    let room = -h[0] * (full + h[0]);
+    let energy = h[1..].iter().fold(f32x8::ZERO, |sum, &value| value.mul_add(value, sum));
+    let over = energy.simd_gt(room);
+    // Most batches have nothing to shrink; multiplying by 1 would leave the same bits.
+    if over.any() {
+        let shrink = over.select((room / energy).sqrt(), f32x8::ONE);
+        h[1..].iter_mut().for_each(|value| *value *= shrink);
+    }
+}
+
+/// Holds eight visibilities to what functions with values in [0, 1] can be, as
+/// [`crate::exponential::limit_to_visibility`]; for SH products of blockers.
+pub fn limit_to_visibility<const N: usize>(visibility: &mut ShBatch<N>) {
+    visibility[0] -= f32x8::splat(FULL);
+    limit_difference(visibility);
+    visibility[0] += f32x8::splat(FULL);
+}
