@@ -1,7 +1,8 @@
 //! From a mesh to its sphere set: normalize, sample, fit, bound, measure.
 
-use super::cover::{grow_to_cover, violation};
+use super::cover::{grow_to_cover, uncovered_points, violation};
 use super::points::{inner_points, surface_points};
+use super::polish::{Polish, cover_points, tighten};
 use super::solid::Solid;
 use super::variational::Target;
 use super::{Ball, Sphere, SphereSet};
@@ -20,6 +21,10 @@ const VERSION: u32 = 1;
 /// growing a sphere instead of being cut further.
 const COVER_TOLERANCE: f64 = 2e-4;
 /// Distance of the lines that measure the result, as a fraction of the largest extent.
+/// Rounds of tightening, each with the points that the one before left uncovered.
+const TIGHTEN_ROUNDS: usize = 4;
+/// Vertices that tightening respects at most; the bound holds for all of them in the end.
+const MOST_VERTICES: usize = 20_000;
 const MEASURE_STEP: f64 = 1.0 / 200.0;
 /// A mesh whose volume is below this fraction of its largest extent cubed counts as a thin shell.
 const THIN: f64 = 1e-6;
@@ -33,11 +38,15 @@ pub struct BuildOptions {
     pub restarts: usize,
     /// Attempts per start to leave a local minimum by teleporting a sphere.
     pub teleports: usize,
+    /// Whether to lower the outside volume of the union after the sum over spheres; the published method doesn't.
+    pub polish: bool,
+    /// Attempts per start of the polish to leave a local minimum.
+    pub jumps: usize,
 }
 
 impl Default for BuildOptions {
     fn default() -> Self {
-        Self { seed: 1, restarts: 4, teleports: 20 }
+        Self { seed: 1, restarts: 4, teleports: 10, polish: true, jumps: 40 }
     }
 }
 
@@ -89,23 +98,42 @@ impl SphereSet {
                     .into(),
             );
         }
+        let area = mesh.corners.iter().map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length()).sum();
         let restarts = options.restarts.max(1);
-        progress.start("fitting spheres", (restarts * (1 + options.teleports)) as u64);
+        let steps = 1 + options.teleports + if options.polish { 1 + options.jumps } else { 0 };
+        progress.start("fitting spheres", (restarts * steps) as u64);
         let fitted: Vec<(f64, Vec<Ball>)> = (0..restarts as u64)
             .into_par_iter()
             .map(|restart| {
                 let mut rng = Pcg64Mcg::seed_from_u64(options.seed.wrapping_mul(0x9e37_79b9).wrapping_add(restart));
                 let surface = surface_points(&mesh.corners, (30 * count).clamp(400, 6_000), &mut rng);
                 let inner = inner_points(&solid.columns, mesh.bounds, surface.len() / 2);
+                let surface_count = surface.len();
                 let target = Target::new(&solid.columns, [surface, inner].concat());
-                let balls = target.fit(count, options.teleports, &mut rng, progress);
+                let mut balls = target.fit(count, options.teleports, &mut rng, progress);
+                if options.polish {
+                    let polish = Polish::new(&solid.columns, &target.points[..surface_count], area);
+                    balls = polish.improve(balls, options.jumps, &mut rng, progress);
+                }
                 // What counts is the volume after bounding, not before.
                 let mut bounded = balls.clone();
                 grow_to_cover(&mesh.corners, &mut bounded, 10.0 * COVER_TOLERANCE, |r| r);
                 (solid.columns.union_outside(&bounded), balls)
             })
             .collect();
-        let best = fitted.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, balls)| balls).unwrap_or_default();
+        let mut best =
+            fitted.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, balls)| balls).unwrap_or_default();
+        if options.polish {
+            progress.start("tightening spheres", TIGHTEN_ROUNDS as u64);
+            let mut points: Vec<DVec3> = mesh.vertices();
+            for _ in 0..TIGHTEN_ROUNDS {
+                // Triangles reach out between their vertices: where they do, their pieces join the points to be covered.
+                points.extend(uncovered_points(&mesh.corners, &best, 5.0 * COVER_TOLERANCE));
+                cover_points(&mut best, &points);
+                tighten(&solid.columns, &points, &mut best, 2);
+                progress.advance(1);
+            }
+        }
         progress.start("bounding the triangles", 1);
         let mut set = mesh.bound(best);
         progress.advance(1);
@@ -218,6 +246,16 @@ impl Normalized {
             *corner = normalize(*corner);
         }
         Ok(Self { corners, bounds, middle, extent })
+    }
+
+    /// Each vertex once, in a fixed order; every n-th of them if there are very many.
+    fn vertices(&self) -> Vec<DVec3> {
+        let mut vertices: Vec<DVec3> = self.corners.iter().flatten().copied().collect();
+        let key = |p: &DVec3| p.to_array().map(|x| (x + 0.0).to_bits());
+        vertices.sort_unstable_by_key(key);
+        vertices.dedup_by_key(|p| key(p));
+        let stride = vertices.len().div_ceil(MOST_VERTICES);
+        vertices.into_iter().step_by(stride.max(1)).collect()
     }
 
     /// Diagonal of the bounding box, normalized.

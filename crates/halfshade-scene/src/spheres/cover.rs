@@ -26,6 +26,18 @@ pub(super) fn violation(triangles: &[Triangle], balls: &[Ball], tolerance: f64) 
     triangles.par_iter().map(of_triangle).reduce(|| 0.0, f64::max)
 }
 
+/// Corners of the pieces of triangles, no longer than `tolerance`, that no single ball holds and that stick out.
+pub(super) fn uncovered_points(triangles: &[Triangle], balls: &[Ball], tolerance: f64) -> Vec<DVec3> {
+    let of_triangle = |triangle: &Triangle| {
+        let mut points = Vec::new();
+        leaves(*triangle, balls, &mut candidates(triangle, balls), tolerance, &mut |leaf, near| {
+            points.extend(leaf.iter().filter(|p| !near.iter().any(|&k| balls[k as usize].contains(**p))));
+        });
+        points
+    };
+    triangles.par_iter().map(of_triangle).flatten_iter().collect()
+}
+
 /// Grows radii until the balls bound the triangles, each uncovered leaf by the ball that needs to grow least, by no more
 /// than it needs. `round_up` makes a radius representable. Returns the largest growth.
 pub(super) fn grow_to_cover(
@@ -42,15 +54,12 @@ pub(super) fn grow_to_cover(
         let mut uncovered = Vec::new();
         leaves(*triangle, balls, &mut candidates(triangle, balls), tolerance, &mut |leaf, _| uncovered.push(*leaf));
         for leaf in uncovered {
-            let nearest = (0..balls.len()).min_by(|&a, &b| balls[a].missing(&leaf).total_cmp(&balls[b].missing(&leaf)));
-            if let Some(ball) = nearest.map(|k| &mut balls[k]) {
-                if ball.missing(&leaf) > 0.0 {
-                    ball.radius = round_up(ball.radius + ball.missing(&leaf));
-                    // The sum may still be an ulp short.
-                    while ball.missing(&leaf) > 0.0 {
-                        ball.radius = round_up(ball.radius * (1.0 + f64::EPSILON));
-                    }
-                }
+            let Some(ball) = balls.iter_mut().min_by(|a, b| a.missing(&leaf).total_cmp(&b.missing(&leaf))) else {
+                return 0.0;
+            };
+            // More than once only where the sum is an ulp short.
+            while ball.missing(&leaf) > 0.0 {
+                ball.radius = round_up((ball.radius + ball.missing(&leaf)).max(ball.radius * (1.0 + f64::EPSILON)));
             }
         }
     }

@@ -8,6 +8,7 @@ mod build;
 mod cover;
 mod overlap;
 mod points;
+mod polish;
 mod solid;
 mod variational;
 

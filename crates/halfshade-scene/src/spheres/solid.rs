@@ -130,6 +130,27 @@ impl Columns {
         length * self.step * self.step
     }
 
+    /// This solid and `balls` together, over the window in which balls inside `region` lie; lines beyond it are empty.
+    pub(super) fn united_with<'a>(&self, balls: impl Iterator<Item = &'a Ball>, region: &Ball) -> Self {
+        let (across, _) = split(region.center, self.axis);
+        let window = [across - DVec2::splat(region.radius), across + DVec2::splat(region.radius + self.step)];
+        let near: Vec<&Ball> = balls.filter(|b| b.center.distance(region.center) < b.radius + region.radius).collect();
+        Self::from_lines(self.axis, self.step, window, |line, runs| {
+            let begin = runs.len();
+            runs.extend_from_slice(self.line(line));
+            let position = DVec2::new(line_position(line[0], self.step), line_position(line[1], self.step));
+            for ball in &near {
+                let (center, along) = split(ball.center, self.axis);
+                let half_squared = ball.radius * ball.radius - center.distance_squared(position);
+                if half_squared > 0.0 {
+                    let half = half_squared.sqrt();
+                    runs.push([along - half, along + half]);
+                }
+            }
+            merge(runs, begin);
+        })
+    }
+
     /// Volume of the union of the balls outside the solid.
     pub(super) fn union_outside(&self, balls: &[Ball]) -> f64 {
         let mut chords: Vec<([i64; 2], Run)> = Vec::new();

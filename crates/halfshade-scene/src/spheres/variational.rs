@@ -222,7 +222,7 @@ impl Fit {
 }
 
 /// The two most distant points, approximately: the farthest from the first, and the farthest from that.
-fn most_distant(points: &[DVec3]) -> (DVec3, DVec3) {
+pub(super) fn most_distant(points: &[DVec3]) -> (DVec3, DVec3) {
     let farthest = |from: DVec3| {
         let farther = |a: &&DVec3, b: &&DVec3| a.distance_squared(from).total_cmp(&b.distance_squared(from));
         points.iter().max_by(farther).copied().unwrap_or(from)
