@@ -20,11 +20,13 @@ const VERSION: u32 = 1;
 /// Longest edge, as a fraction of the mesh's largest extent, below which an uncovered piece of a triangle is covered by
 /// growing a sphere instead of being cut further.
 const COVER_TOLERANCE: f64 = 2e-4;
-/// Distance of the lines that measure the result, as a fraction of the largest extent.
 /// Rounds of tightening, each with the points that the one before left uncovered.
 const TIGHTEN_ROUNDS: usize = 4;
+/// Surface points that the polish covers. With few, spheres shrink between them and must grow back in the end.
+const FINE_POINTS: usize = 12_000;
 /// Vertices that tightening respects at most; the bound holds for all of them in the end.
-const MOST_VERTICES: usize = 20_000;
+const MOST_VERTICES: usize = 40_000;
+/// Distance of the lines that measure the result, as a fraction of the largest extent.
 const MEASURE_STEP: f64 = 1.0 / 200.0;
 /// A mesh whose volume is below this fraction of its largest extent cubed counts as a thin shell.
 const THIN: f64 = 1e-6;
@@ -100,6 +102,8 @@ impl SphereSet {
         }
         let area = mesh.corners.iter().map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length()).sum();
         let restarts = options.restarts.max(1);
+        let mut rng = Pcg64Mcg::seed_from_u64(options.seed);
+        let fine = if options.polish { surface_points(&mesh.corners, FINE_POINTS, &mut rng) } else { Vec::new() };
         let steps = 1 + options.teleports + if options.polish { 1 + options.jumps } else { 0 };
         progress.start("fitting spheres", (restarts * steps) as u64);
         let fitted: Vec<(f64, Vec<Ball>)> = (0..restarts as u64)
@@ -108,11 +112,10 @@ impl SphereSet {
                 let mut rng = Pcg64Mcg::seed_from_u64(options.seed.wrapping_mul(0x9e37_79b9).wrapping_add(restart));
                 let surface = surface_points(&mesh.corners, (30 * count).clamp(400, 6_000), &mut rng);
                 let inner = inner_points(&solid.columns, mesh.bounds, surface.len() / 2);
-                let surface_count = surface.len();
                 let target = Target::new(&solid.columns, [surface, inner].concat());
                 let mut balls = target.fit(count, options.teleports, &mut rng, progress);
                 if options.polish {
-                    let polish = Polish::new(&solid.columns, &target.points[..surface_count], area);
+                    let polish = Polish::new(&solid.columns, &fine, area);
                     balls = polish.improve(balls, options.jumps, &mut rng, progress);
                 }
                 // What counts is the volume after bounding, not before.
@@ -126,9 +129,11 @@ impl SphereSet {
         if options.polish {
             progress.start("tightening spheres", TIGHTEN_ROUNDS as u64);
             let mut points: Vec<DVec3> = mesh.vertices();
-            for _ in 0..TIGHTEN_ROUNDS {
+            for round in 0..TIGHTEN_ROUNDS {
                 // Triangles reach out between their vertices: where they do, their pieces join the points to be covered.
-                points.extend(uncovered_points(&mesh.corners, &best, 5.0 * COVER_TOLERANCE));
+                if round > 0 {
+                    points.extend(uncovered_points(&mesh.corners, &best, 5.0 * COVER_TOLERANCE));
+                }
                 cover_points(&mut best, &points);
                 tighten(&solid.columns, &points, &mut best, 2);
                 progress.advance(1);

@@ -7,7 +7,7 @@ use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
 /// Candidates drawn per surface point kept.
-const CANDIDATES_PER_POINT: usize = 6;
+const CANDIDATES_PER_POINT: usize = 4;
 
 /// `count` points spread evenly over the surface: candidates drawn by area with the R2 sequence, then farthest-point
 /// selection, which leaves distances between neighbours as equal as repulsion would and needs no geodesics.

@@ -85,12 +85,13 @@ impl<'a> Polish<'a> {
     fn relax(&self, balls: &mut [Ball], iterations: usize, rate: f64) {
         let mean_radius = balls.iter().map(|ball| ball.radius).sum::<f64>() / balls.len().max(1) as f64;
         let (mut first, mut second) = (vec![[0.0; 4]; balls.len()], vec![[0.0f64; 4]; balls.len()]);
+        let mut holders = vec![0; self.surface.len()];
         for iteration in 0..iterations {
             let progress = iteration as f64 / iterations as f64;
             let penalty = PENALTY[0] * (PENALTY[1] / PENALTY[0]).powf(progress);
             let step = rate * mean_radius * (1.0 - 0.95 * progress);
             let mut gradient = self.shape_derivative(balls);
-            self.add_penalty(balls, penalty, &mut gradient);
+            self.add_penalty(balls, penalty, &mut holders, &mut gradient);
             let warm = [0.9f64, 0.99].map(|beta| 1.0 - beta.powi(iteration as i32 + 1));
             for (k, ball) in balls.iter_mut().enumerate() {
                 let moves: [f64; 4] = std::array::from_fn(|n| {
@@ -135,9 +136,15 @@ impl<'a> Polish<'a> {
     }
 
     /// Adds the derivative of penalty · Σ area · (distance outside every ball)².
-    fn add_penalty(&self, balls: &[Ball], penalty: f64, gradient: &mut [[f64; 4]]) {
-        for point in self.surface {
+    ///
+    /// `holders` remembers which ball held each point last, which is nearly always still true.
+    fn add_penalty(&self, balls: &[Ball], penalty: f64, holders: &mut [usize], gradient: &mut [[f64; 4]]) {
+        for (point, holder) in self.surface.iter().zip(holders) {
+            if balls[*holder].contains(*point) {
+                continue;
+            }
             let (nearest, missing) = least_missing(balls, *point);
+            *holder = nearest;
             if missing > 0.0 {
                 let pull = -2.0 * penalty * self.area_per_point * missing;
                 let toward = pull * (point - balls[nearest].center).normalize_or_zero();
