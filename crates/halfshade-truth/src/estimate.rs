@@ -247,7 +247,7 @@ impl<'a> Worker<'a> {
         for (number, integral) in self.tracer.lights.integrals().enumerate() {
             let exact = self.tracer.lights.unshadowed(integral, &receiver);
             value.unshadowed += exact;
-            let sums = self.sums(integral, number as u32, &receiver, receivers.index[i], &mut value.rays);
+            let sums = self.sums((number as u32, integral), &receiver, receivers.index[i], &mut value.rays);
             let points = self.points.as_slice().len() as f64;
             let [seen, all] = [0, 1].map(|j| sums.iter().map(|s| s.weight[j]).sum::<f64>());
             for (replicate, sum) in replicates.iter_mut().zip(&sums) {
@@ -269,32 +269,46 @@ impl<'a> Worker<'a> {
 
     fn sums(
         &mut self,
-        integral: Integral,
-        number: u32,
+        integral: (u32, Integral),
         receiver: &Receiver,
         index: u32,
         rays: &mut u64,
     ) -> [Sums; REPLICATES] {
         let mut sums = [Sums::default(); REPLICATES];
-        let lights = &self.tracer.lights;
-        for (which, technique) in lights.techniques(integral, receiver, &self.tracer.space).iter().enumerate() {
-            let Some(technique) = technique else { continue };
-            for (replicate, sum) in sums.iter_mut().enumerate() {
-                let scramble = Scramble::new(self.options.seed, index, 2 * number + which as u32, replicate as u32);
-                for points in self.points.as_slice().chunks(BATCH) {
-                    lights.sample(technique, receiver, points, scramble, &mut self.batch);
-                    *rays += match self.options.geometry {
-                        Geometry::Mesh => trace_mesh(self.tracer, receiver.ray_origin, &mut self.batch),
-                        Geometry::Spheres(_) => {
-                            self.caps.trace(&mut self.batch);
-                            self.batch.len as u64
-                        }
-                    };
-                    sum.add(&self.batch);
+        let Self { tracer, options, points, caps, batch } = self;
+        for_every_batch(tracer, integral, receiver, (options.seed, index), points, batch, |replicate, batch| {
+            *rays += match options.geometry {
+                Geometry::Mesh => trace_mesh(tracer, receiver.ray_origin, batch),
+                Geometry::Spheres(_) => {
+                    caps.trace(batch);
+                    batch.len as u64
                 }
+            };
+            sums[replicate].add(batch);
+        });
+        sums
+    }
+}
+
+/// Draws all samples of one integral at one receiver: technique by technique, replicate by replicate.
+pub(crate) fn for_every_batch(
+    tracer: &Tracer,
+    (number, integral): (u32, Integral),
+    receiver: &Receiver,
+    (seed, index): (u64, u32),
+    points: &Points,
+    batch: &mut Batch,
+    mut each: impl FnMut(usize, &mut Batch),
+) {
+    for (which, technique) in tracer.lights.techniques(integral, receiver, &tracer.space).iter().enumerate() {
+        let Some(technique) = technique else { continue };
+        for replicate in 0..REPLICATES {
+            let scramble = Scramble::new(seed, index, 2 * number + which as u32, replicate as u32);
+            for points in points.as_slice().chunks(BATCH) {
+                tracer.lights.sample(technique, receiver, points, scramble, batch);
+                each(replicate, batch);
             }
         }
-        sums
     }
 }
 

@@ -13,10 +13,12 @@ mod lights;
 mod map_irradiance;
 mod points;
 mod receiver;
+mod shadow_rays;
 mod space;
 mod sphere_irradiance;
 mod tracer;
 mod triangle;
 
 pub use estimate::{Estimate, Geometry, MAX_SAMPLES, Options, REPLICATES, Transport, estimate};
+pub use shadow_rays::{ShadowRay, shadow_rays};
 pub use tracer::{Hit, Surface, Tracer};

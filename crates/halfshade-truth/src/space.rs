@@ -40,6 +40,11 @@ impl TracingSpace {
         ((point_in_world - self.center_in_world) * self.tracing_from_world).as_vec3a()
     }
 
+    /// A point of tracing space, in the world.
+    pub(crate) fn point_in_world(&self, point: Vec3A) -> DVec3 {
+        point.as_dvec3() / self.tracing_from_world + self.center_in_world
+    }
+
     /// A length of the world, in tracing space.
     #[inline]
     pub(crate) fn length(&self, length_in_world: f64) -> f64 {

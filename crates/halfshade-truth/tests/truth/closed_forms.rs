@@ -173,8 +173,8 @@ fn a_map_is_sampled_by_both_techniques_without_bias() {
         let unshadowed = Options { transport: Transport::Unshadowed, ..options };
         let estimate = run(&scene, &receivers, &unshadowed);
         assert_eq!(estimate.rays, 0);
-        for i in 0..receivers.len() {
-            let error = f64::from(estimate.radiance.at(i).x) - (dim + (bright - dim) * cap * normals[i].y);
+        for (i, normal) in normals.iter().enumerate() {
+            let error = f64::from(estimate.radiance.at(i).x) - (dim + (bright - dim) * cap * normal.y);
             assert!(error.abs() < 2e-5 * (bright.abs() + dim.abs()), "{error}");
         }
     }
