@@ -61,6 +61,7 @@ fn exponentials(c: &mut Criterion) {
         ("series 9", Method::Series { terms: 9, magnitude_limit: None }),
         ("series 3, limit 1", Method::Series { terms: 3, magnitude_limit: Some(1.0) }),
         ("optimal-linear", Method::OptimalLinear),
+        ("quadratic, limit 1", Method::Quadratic { magnitude_limit: 1.0 }),
         ("hybrid, limit 4.8", Method::Hybrid { magnitude_limit: 4.8 }),
         ("hybrid, limit 2", Method::Hybrid { magnitude_limit: 2.0 }),
         ("hybrid, limit 0.25", Method::Hybrid { magnitude_limit: 0.25 }),

@@ -14,6 +14,7 @@ fn methods() -> Vec<Method> {
     let mut methods = vec![Method::OptimalLinear];
     for magnitude_limit in [0.25, 1.0, 4.8] {
         methods.push(Method::Hybrid { magnitude_limit });
+        methods.push(Method::Quadratic { magnitude_limit });
         methods.push(Method::Series { terms: 3, magnitude_limit: Some(magnitude_limit) });
     }
     methods.push(Method::Series { terms: 2, magnitude_limit: None });

@@ -18,6 +18,7 @@ pub struct BatchExponential {
 #[derive(Debug, Clone, Copy)]
 enum BatchMethod {
     Series { terms: u32, magnitude_limit: f32 },
+    Quadratic { magnitude_limit: f32 },
     Linear { magnitude_limit: f32 },
 }
 
@@ -57,6 +58,7 @@ impl BatchExponential {
                 terms: terms.clamp(1, 16),
                 magnitude_limit: magnitude_limit.map_or(f32::INFINITY, |limit| limit as f32),
             },
+            Method::Quadratic { magnitude_limit } => BatchMethod::Quadratic { magnitude_limit: magnitude_limit as f32 },
             Method::OptimalLinear => BatchMethod::Linear { magnitude_limit: f32::INFINITY },
             Method::Hybrid { magnitude_limit } => BatchMethod::Linear { magnitude_limit: magnitude_limit as f32 },
         };
@@ -94,17 +96,19 @@ impl BatchExponential {
         let constant = std::mem::take(&mut h[0]) * f32x8::splat(1.0 / FULL);
         let magnitude = h.iter().fold(f32x8::ZERO, |sum, &value| value.mul_add(value, sum)).sqrt();
         let limit = match self.method {
-            BatchMethod::Series { magnitude_limit, .. } | BatchMethod::Linear { magnitude_limit } => magnitude_limit,
+            BatchMethod::Series { magnitude_limit, .. }
+            | BatchMethod::Quadratic { magnitude_limit }
+            | BatchMethod::Linear { magnitude_limit } => magnitude_limit,
         };
         let (squarings, scale, most) = squarings(magnitude, limit);
         let scaled = magnitude * scale;
         let mut offset = f32x8::ZERO;
         match self.method {
-            BatchMethod::Series { terms, .. } => {
+            BatchMethod::Series { .. } | BatchMethod::Quadratic { .. } => {
                 let cap = f32x8::splat(SERIES_MAGNITUDE as f32);
                 let shorten = scaled.simd_gt(cap).select(cap / scaled, f32x8::ONE) * scale;
                 h.iter_mut().for_each(|value| *value *= shorten);
-                h = series(&h, terms);
+                h = if let BatchMethod::Series { terms, .. } = self.method { series(&h, terms) } else { quadratic(&h) };
             }
             BatchMethod::Linear { .. } => {
                 let (a, b) = self.table.coefficients(scaled);
@@ -159,6 +163,13 @@ fn series<const N: usize>(isolated: &ShBatch<N>, terms: u32) -> ShBatch<N> {
         let share = f32x8::splat(1.0 / k as f32);
         sum.iter_mut().zip(isolated.iter().zip(higher)).for_each(|(s, (&f, h))| *s = (f + h) * share);
     }
+    sum
+}
+
+/// `f̂ + f̂*f̂/2`.
+fn quadratic<const N: usize>(isolated: &ShBatch<N>) -> ShBatch<N> {
+    let mut sum = square(isolated);
+    sum.iter_mut().zip(isolated).for_each(|(s, &f)| *s = f32x8::splat(0.5).mul_add(*s, f));
     sum
 }
 

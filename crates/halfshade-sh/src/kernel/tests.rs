@@ -91,8 +91,9 @@ fn log_sums<const N: usize>(generator: &mut Pcg64Mcg, most: usize) -> [[f64; N];
     })
 }
 
-fn methods() -> [Method; 5] {
+fn methods() -> [Method; 6] {
     [
+        Method::Quadratic { magnitude_limit: 1.0 },
         Method::Series { terms: 4, magnitude_limit: None },
         Method::Series { terms: 4, magnitude_limit: Some(1.0) },
         Method::OptimalLinear,
