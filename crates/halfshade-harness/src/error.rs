@@ -1,0 +1,62 @@
+//! What can go wrong around a measurement, in words a user can act on.
+
+use halfshade_scene::SceneError;
+use std::path::{Path, PathBuf};
+
+/// An error of the harness: the input, the output, or a file of ours that cannot be trusted.
+#[derive(Debug, thiserror::Error)]
+pub enum HarnessError {
+    /// A scene, mesh or light that cannot be used.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A mistake in a file or on the command line.
+    #[error("{}", located(.path.as_deref(), *.line, .problem))]
+    Input {
+        /// The file, if there is one.
+        path: Option<PathBuf>,
+        /// Line in the file, counted from 1.
+        line: Option<usize>,
+        /// What is wrong and what to do.
+        problem: String,
+    },
+    /// A file that cannot be read or written.
+    #[error("{}: cannot {action}: {source}", .path.display())]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// `read`, `write`, ..
+        action: &'static str,
+        /// What the system says.
+        source: std::io::Error,
+    },
+}
+
+impl HarnessError {
+    /// A mistake that concerns no file.
+    pub fn input(problem: impl Into<String>) -> Self {
+        Self::Input { path: None, line: None, problem: problem.into() }
+    }
+
+    /// A mistake in the file `path`.
+    pub fn in_file(path: &Path, problem: impl Into<String>) -> Self {
+        Self::Input { path: Some(path.to_owned()), line: None, problem: problem.into() }
+    }
+
+    /// A mistake at `line` of the file `path`.
+    pub fn at_line(path: &Path, line: usize, problem: impl Into<String>) -> Self {
+        Self::Input { path: Some(path.to_owned()), line: Some(line), problem: problem.into() }
+    }
+
+    /// A file that cannot be read or written.
+    pub fn io(path: &Path, action: &'static str, source: std::io::Error) -> Self {
+        Self::Io { path: path.to_owned(), action, source }
+    }
+}
+
+fn located(path: Option<&Path>, line: Option<usize>, problem: &str) -> String {
+    match (path, line) {
+        (Some(path), Some(line)) => format!("{}:{line}: {problem}", path.display()),
+        (Some(path), None) => format!("{}: {problem}", path.display()),
+        (None, _) => problem.to_owned(),
+    }
+}

@@ -1,0 +1,327 @@
+//! Experiment files: which scenes, which strategies, which truth, how timed, what pictured.
+//!
+//! ```toml
+//! name = "soft-shadows"
+//! claim = "what the experiment tests, in a sentence"
+//! frames = [0]                       # default [0]; a scene may have its own
+//! receivers = ["vertices"]           # and/or "pixels"; default vertices
+//! references = ["mesh", "spheres", "bands"]   # default ["mesh"]; see `ReferenceKind`
+//!
+//! [truth]
+//! samples = 1024                     # per receiver; or relative_noise = 0.002 (of the unshadowed mean)
+//! seed = 1
+//!
+//! [timing]                           # leave it out to measure no time
+//! warm_up = 2
+//! repeats = 11
+//! threads = 2                        # default: all
+//!
+//! [pictures]                         # leave it out to draw none
+//! resolution = [480, 360]            # default: the camera's
+//! strategies = ["sh-exp:exp=hybrid"] # default: all
+//!
+//! [[scene]]
+//! name = "vases"                     # built-in, or a scene or mesh file relative to this file
+//! [[scene.published]]
+//! method = "Ren et al. pixel shader"
+//! hardware = "GeForce 8800 GTX"
+//! source = "[Guerrero2007, 6]"
+//! frames_per_sec = 95
+//!
+//! [[strategy]]
+//! name = "sh-exp"
+//! exp = ["series", "hybrid"]         # a list sweeps; several lists: every combination
+//! bands = [2, 3, 4]
+//! ```
+
+use crate::HarnessError;
+use serde::{Deserialize, Serialize};
+use std::{
+    collections::BTreeMap,
+    fmt,
+    num::{NonZeroU32, NonZeroUsize},
+    path::{Path, PathBuf},
+    str::FromStr,
+};
+use toml::Spanned;
+
+/// A whole experiment, as written.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Experiment {
+    /// Short name: of the output folder, of tables.
+    pub name: String,
+    /// The claim it tests.
+    pub claim: String,
+    /// Frames of every scene that doesn't say otherwise.
+    #[serde(default = "first_frame")]
+    pub frames: Vec<usize>,
+    /// Which points are scored.
+    #[serde(default = "vertices")]
+    pub receivers: Vec<ReceiverKind>,
+    /// What strategies are compared with.
+    #[serde(default = "mesh_only")]
+    pub references: Vec<ReferenceKind>,
+    /// How exact the truth is.
+    pub truth: TruthSettings,
+    /// How time is measured, if it is.
+    pub timing: Option<TimingSettings>,
+    /// What is drawn, if anything.
+    pub pictures: Option<PictureSettings>,
+    /// The scenes.
+    #[serde(rename = "scene")]
+    pub scenes: Vec<SceneEntry>,
+    /// The strategies and their sweeps: the key `name` and any parameters.
+    #[serde(rename = "strategy")]
+    pub strategies: Vec<Spanned<BTreeMap<String, Spanned<toml::Value>>>>,
+    /// Where it was read from.
+    #[serde(skip)]
+    pub path: PathBuf,
+    /// Its text, for line numbers and for the hash that resuming compares.
+    #[serde(skip)]
+    pub text: String,
+}
+
+/// One scene of an experiment.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SceneEntry {
+    /// A built-in name, or a file relative to the experiment.
+    pub name: Spanned<String>,
+    /// Light for a mesh file: `sky`, `constant` or an image; must be left out otherwise.
+    pub environment: Option<String>,
+    /// Frames, if other than the experiment's.
+    pub frames: Option<Vec<usize>>,
+    /// Published figures to stand beside ours.
+    #[serde(default)]
+    pub published: Vec<Published>,
+}
+
+/// A frame rate from the literature.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Published {
+    /// Whose method.
+    pub method: String,
+    /// On what.
+    pub hardware: String,
+    /// Where it is printed.
+    pub source: String,
+    /// Frames per second.
+    pub frames_per_sec: f64,
+}
+
+/// Which points are scored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ReceiverKind {
+    /// Every vertex of every object.
+    Vertices,
+    /// What the camera sees, one point per pixel.
+    Pixels,
+}
+
+impl fmt::Display for ReceiverKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Vertices => "vertices",
+            Self::Pixels => "pixels",
+        })
+    }
+}
+
+/// What a strategy is compared with, so that its error can be taken apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum ReferenceKind {
+    /// `mesh`: the truth itself.
+    Mesh,
+    /// `spheres`: blockers are the sphere sets. What is left is not geometry.
+    Spheres,
+    /// `bands=n`: sphere sets, and the environment limited to n bands of spherical harmonics.
+    /// Strategies whose parameter `bands` has another value are left out.
+    Bands(NonZeroUsize),
+    /// `bands`: as above, n being the strategy's own parameter `bands`; strategies without it are left out.
+    OwnBands,
+}
+
+impl fmt::Display for ReferenceKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Mesh => f.write_str("mesh"),
+            Self::Spheres => f.write_str("spheres"),
+            Self::Bands(n) => write!(f, "bands={n}"),
+            Self::OwnBands => f.write_str("bands"),
+        }
+    }
+}
+
+impl FromStr for ReferenceKind {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "mesh" => Ok(Self::Mesh),
+            "spheres" => Ok(Self::Spheres),
+            "bands" => Ok(Self::OwnBands),
+            _ => text
+                .strip_prefix("bands=")
+                .and_then(|n| n.parse().ok())
+                .map(Self::Bands)
+                .ok_or_else(|| format!("unknown reference `{text}`; known: mesh, spheres, bands, bands=N")),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for ReferenceKind {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        String::deserialize(deserializer)?.parse().map_err(serde::de::Error::custom)
+    }
+}
+
+/// How exact the truth is: give `samples` or `relative_noise`.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TruthSettings {
+    /// Samples per receiver.
+    pub samples: Option<NonZeroU32>,
+    /// Sample until the root mean square of the standard error is below this fraction of the unshadowed mean.
+    pub relative_noise: Option<f64>,
+    /// Where the samples start from.
+    #[serde(default = "one")]
+    pub seed: u32,
+}
+
+/// How time is measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TimingSettings {
+    /// Rounds that are thrown away.
+    pub warm_up: u32,
+    /// Rounds that count.
+    pub repeats: NonZeroU32,
+    /// Threads; all if left out. `--threads` wins.
+    pub threads: Option<NonZeroUsize>,
+}
+
+/// What is drawn.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PictureSettings {
+    /// Width and height, if other than the camera's.
+    pub resolution: Option<[NonZeroU32; 2]>,
+    /// SPECs, if not all.
+    pub strategies: Option<Vec<Spanned<String>>>,
+}
+
+fn first_frame() -> Vec<usize> {
+    vec![0]
+}
+
+fn vertices() -> Vec<ReceiverKind> {
+    vec![ReceiverKind::Vertices]
+}
+
+fn mesh_only() -> Vec<ReferenceKind> {
+    vec![ReferenceKind::Mesh]
+}
+
+fn one() -> u32 {
+    1
+}
+
+impl Experiment {
+    /// Reads the file at `path`.
+    pub fn load(path: &Path) -> Result<Self, HarnessError> {
+        let text = std::fs::read_to_string(path).map_err(|source| HarnessError::io(path, "read", source))?;
+        Self::parse(&text, path)
+    }
+
+    /// Reads `text`; `path` is named in errors, and files are relative to it.
+    pub fn parse(text: &str, path: &Path) -> Result<Self, HarnessError> {
+        let mut experiment: Self = toml::from_str(text).map_err(|error| match error.span() {
+            Some(span) => HarnessError::at_line(path, line_of(text, span.start), error.message().trim()),
+            None => HarnessError::in_file(path, error.message().trim()),
+        })?;
+        experiment.path = path.to_owned();
+        experiment.text = text.to_owned();
+        experiment.validate()?;
+        Ok(experiment)
+    }
+
+    /// An error at the place `offset` of the file.
+    pub fn error_at(&self, offset: usize, problem: impl Into<String>) -> HarnessError {
+        HarnessError::at_line(&self.path, line_of(&self.text, offset), problem)
+    }
+
+    fn validate(&self) -> Result<(), HarnessError> {
+        let error = |problem: &str| Err(HarnessError::in_file(&self.path, problem));
+        let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
+        if self.name.is_empty() || self.name.starts_with('.') || !self.name.chars().all(plain) {
+            return error("`name` becomes a folder: use letters, digits, `-`, `_`");
+        }
+        if self.scenes.is_empty() || self.strategies.is_empty() {
+            return error("needs at least one [[scene]] and one [[strategy]]");
+        }
+        if self.receivers.is_empty() || self.references.is_empty() || self.frames.is_empty() {
+            return error("`receivers`, `references` and `frames` must not be empty lists");
+        }
+        match (self.truth.samples, self.truth.relative_noise) {
+            (Some(_), None) => {}
+            (None, Some(noise)) if noise > 0.0 && noise.is_finite() => {}
+            (None, Some(_)) => return error("[truth] `relative_noise` must be positive"),
+            _ => return error("[truth] needs either `samples` or `relative_noise`"),
+        }
+        for scene in &self.scenes {
+            if let Some(published) = scene.published.iter().find(|p| !(p.frames_per_sec > 0.0)) {
+                let problem = format!("published `{}`: frames_per_sec must be positive", published.method);
+                return Err(self.error_at(scene.name.span().start, problem));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn line_of(text: &str, offset: usize) -> usize {
+    text.bytes().take(offset).filter(|&byte| byte == b'\n').count() + 1
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    pub(crate) const SMALL: &str = "name = \"small\"\nclaim = \"none\"\n[truth]\nsamples = 8\n[[scene]]\nname = \"vases\"\n\
+                         [[strategy]]\nname = \"dim\"\nfactor = [0.5, 0.25]\n";
+
+    fn error(text: &str) -> String {
+        Experiment::parse(text, Path::new("e.toml")).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn what_is_left_out_has_a_default() {
+        let experiment = Experiment::parse(SMALL, Path::new("e.toml")).unwrap();
+        assert_eq!(experiment.frames, [0]);
+        assert_eq!(experiment.receivers, [ReceiverKind::Vertices]);
+        assert_eq!(experiment.references, [ReferenceKind::Mesh]);
+        assert_eq!(experiment.truth.seed, 1);
+        assert!(experiment.timing.is_none() && experiment.pictures.is_none());
+    }
+
+    #[test]
+    fn mistakes_name_file_and_line() {
+        let unknown = error(&SMALL.replace("samples", "sample"));
+        assert!(unknown.starts_with("e.toml:4: ") && unknown.contains("unknown field `sample`"), "{unknown}");
+        let zero = error(&SMALL.replace("samples = 8", "samples = 0"));
+        assert!(zero.starts_with("e.toml:4: "), "{zero}");
+        let reference = error(&SMALL.replace("[truth]", "references = [\"cubes\"]\n[truth]"));
+        assert!(reference.starts_with("e.toml:3: ") && reference.contains("known: mesh, spheres"), "{reference}");
+        let syntax = error("name = \n");
+        assert!(syntax.starts_with("e.toml:1: "), "{syntax}");
+        assert!(error(&SMALL.replace("samples = 8", "")).contains("either `samples` or `relative_noise`"));
+        assert!(error(&SMALL.replace("\"small\"", "\"../small\"")).contains("folder"));
+        let speed = SMALL.replace(
+            "[[strategy]]",
+            "[[scene.published]]\nmethod = \"m\"\nhardware = \"h\"\nsource = \"s\"\nframes_per_sec = -1.0\n[[strategy]]",
+        );
+        assert!(error(&speed).starts_with("e.toml:6: "), "{}", error(&speed));
+    }
+}

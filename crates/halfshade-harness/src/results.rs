@@ -1,0 +1,355 @@
+//! What is kept of an experiment: the schema of `results.json`, `halfshade.results/1`.
+//!
+//! Keys may be added, none is renamed; units stand in names. What was not measured is `null`.
+
+use crate::{HarnessError, Published, metrics::Metrics, statistics::Spread};
+use serde::{Deserialize, Serialize};
+use std::{collections::BTreeMap, path::Path};
+
+/// The name and version of the schema.
+pub const SCHEMA: &str = "halfshade.results/1";
+
+/// A whole `results.json`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Results {
+    /// [`SCHEMA`].
+    pub schema: String,
+    /// The experiment's name.
+    pub experiment: String,
+    /// The claim it tests.
+    pub claim: String,
+    /// BLAKE3 hash of the experiment file: resuming and comparing are between equals.
+    pub experiment_hash: String,
+    /// Whether it ran with `--quick`: fewer samples, not to be published.
+    pub quick: bool,
+    /// Version and commit of the program.
+    pub revision: String,
+    /// What it ran on.
+    pub machine: Machine,
+    /// Names of all strategies in a fixed order, which gives each its colour.
+    pub strategies: Vec<String>,
+    /// The scenes.
+    pub scenes: Vec<SceneFacts>,
+    /// One entry per scene, frame, kind of receivers, reference and strategy.
+    pub runs: Vec<Run>,
+    /// The pictures, with paths relative to the results.
+    pub pictures: Vec<PictureFiles>,
+}
+
+/// What an experiment ran on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Machine {
+    /// Model of the processor.
+    pub cpu: String,
+    /// Threads used.
+    pub threads: usize,
+    /// Model of the graphics processor, if one was used.
+    pub gpu: Option<String>,
+    /// Operating system and architecture.
+    pub os: String,
+}
+
+/// The size of a scene, and what was published of it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SceneFacts {
+    /// Name.
+    pub name: String,
+    /// Vertices of all objects.
+    pub vertices: usize,
+    /// Triangles of all objects.
+    pub triangles: usize,
+    /// Leaf spheres of all objects.
+    pub spheres: usize,
+    /// Figures to stand beside ours.
+    pub published: Vec<Published>,
+}
+
+/// How a run ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Status {
+    /// Measured.
+    Ok,
+    /// The strategy can't model the scene; the reason is given.
+    Unsupported,
+    /// Something went wrong; the reason is given.
+    Failed,
+}
+
+/// One strategy on one frame of one scene against one reference.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Run {
+    /// Scene name.
+    pub scene: String,
+    /// Frame number.
+    pub frame: usize,
+    /// `vertices` or `pixels`.
+    pub receivers: String,
+    /// How many receivers.
+    pub receiver_count: usize,
+    /// Strategy name, or `reference` for a reference compared with the mesh's.
+    pub strategy: String,
+    /// Name and the parameters set by hand.
+    pub label: String,
+    /// All parameters.
+    pub params: BTreeMap<String, serde_json::Value>,
+    /// How it ended.
+    pub status: Status,
+    /// Why it wasn't measured.
+    pub reason: Option<String>,
+    /// How far off it is.
+    pub error: Option<ErrorFigures>,
+    /// What it was compared with.
+    pub truth: Option<TruthFigures>,
+    /// How long it took.
+    pub time: Option<TimeFigures>,
+    /// How much it holds.
+    pub memory: Option<Memory>,
+}
+
+/// How far off a run is.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ErrorFigures {
+    /// `mesh`, `spheres`, `bands=n`.
+    pub reference: String,
+    /// `direct`: light that comes straight from a source.
+    pub transport: String,
+    /// Over receivers.
+    #[serde(flatten)]
+    pub metrics: Metrics,
+    /// FLIP of the picture; not computed by the default build.
+    pub flip: Option<f64>,
+    /// SSIM of the picture, where one was drawn.
+    pub ssim: Option<f64>,
+}
+
+/// What a run was compared with.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TruthFigures {
+    /// Samples per receiver.
+    pub samples: u64,
+    /// Root mean square of the standard error, in radiance.
+    pub rms_standard_error: f64,
+    /// Mean radiance with every blocker taken away: what errors are relative to.
+    pub unshadowed_mean: f64,
+}
+
+/// How long a run took.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TimeFigures {
+    /// Once per scene.
+    pub bake_secs: f64,
+    /// Per frame: poses, lights; absent without [timing].
+    pub prepare_secs: Option<Spread>,
+    /// Per frame: all receivers; absent without [timing].
+    pub shade_secs: Option<Spread>,
+    /// 1 / median of prepare + shade.
+    pub frames_per_sec: Option<f64>,
+    /// Threads used.
+    pub threads: usize,
+    /// Every round that counts, in order.
+    pub samples: Vec<Sample>,
+}
+
+/// One timed frame.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Sample {
+    /// Seconds to prepare the frame.
+    pub prepare_secs: f64,
+    /// Seconds to shade all receivers.
+    pub shade_secs: f64,
+}
+
+/// How much a run holds.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Memory {
+    /// Sum.
+    pub bytes: usize,
+    /// Bytes by part.
+    pub parts: BTreeMap<String, usize>,
+}
+
+/// The files of one picture, relative to the results.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PictureFiles {
+    /// Scene name.
+    pub scene: String,
+    /// Frame number.
+    pub frame: usize,
+    /// The strategy's label, or `truth`.
+    pub label: String,
+    /// Layers: result, `truth`, `error`.
+    pub exr: String,
+    /// To look at.
+    pub png: String,
+    /// The signed error in colours; absent for the truth.
+    pub error_png: Option<String>,
+    /// What the PNG was multiplied with.
+    pub exposure: f32,
+}
+
+impl Run {
+    /// What identifies the measured work: everything but the reference.
+    pub fn key(&self) -> String {
+        let params: Vec<String> = self.params.iter().map(|(key, value)| format!("{key}={value}")).collect();
+        format!("{}/{}/{}/{}:{}", self.scene, self.frame, self.receivers, self.strategy, params.join(","))
+    }
+
+    /// The reference, or nothing if it wasn't measured.
+    pub fn reference(&self) -> &str {
+        self.error.as_ref().map_or("", |error| &error.reference)
+    }
+
+    /// Median seconds of a whole frame, where it was timed.
+    pub fn frame_secs(&self) -> Option<f64> {
+        self.time.as_ref()?.frames_per_sec.map(f64::recip)
+    }
+}
+
+impl TimeFigures {
+    /// Figures of `samples`.
+    pub fn of(bake_secs: f64, threads: usize, samples: Vec<Sample>) -> Self {
+        let spread = |part: &dyn Fn(&Sample) -> f64| Spread::of(&samples.iter().map(part).collect::<Vec<_>>());
+        let whole = spread(&|sample| sample.prepare_secs + sample.shade_secs);
+        Self {
+            bake_secs,
+            prepare_secs: spread(&|sample| sample.prepare_secs),
+            shade_secs: spread(&|sample| sample.shade_secs),
+            frames_per_sec: whole.filter(|whole| whole.median > 0.0).map(|whole| whole.median.recip()),
+            threads,
+            samples,
+        }
+    }
+}
+
+impl Results {
+    /// Reads a `results.json`, or the one in a folder.
+    pub fn load(path: &Path) -> Result<Self, HarnessError> {
+        let path = if path.is_dir() { path.join("results.json") } else { path.to_owned() };
+        let text = std::fs::read_to_string(&path).map_err(|source| HarnessError::io(&path, "read", source))?;
+        let results: Self = serde_json::from_str(&text).map_err(|error| {
+            let problem = format!("not results of Halfshade, or damaged: {error}; run the experiment again");
+            HarnessError::at_line(&path, error.line().max(1), problem)
+        })?;
+        if results.schema != SCHEMA {
+            let problem = format!("schema `{}`; this program reads `{SCHEMA}`", results.schema);
+            return Err(HarnessError::in_file(&path, problem));
+        }
+        Ok(results)
+    }
+
+    /// As JSON, with a line break at the end.
+    pub fn to_json(&self) -> Result<String, HarnessError> {
+        let mut text = serde_json::to_string_pretty(self)
+            .map_err(|error| HarnessError::input(format!("results cannot be written as JSON: {error}")))?;
+        text.push('\n');
+        Ok(text)
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// Two strategies on one scene, with round numbers.
+    pub(crate) fn example() -> Results {
+        let run = |strategy: &str, label: &str, rmse: f64, ms: f64| Run {
+            scene: "vases".into(),
+            frame: 0,
+            receivers: "vertices".into(),
+            receiver_count: 1000,
+            strategy: strategy.into(),
+            label: label.into(),
+            params: BTreeMap::from([("bands".into(), serde_json::json!(4))]),
+            status: Status::Ok,
+            reason: None,
+            error: Some(ErrorFigures {
+                reference: "mesh".into(),
+                transport: "direct".into(),
+                metrics: Metrics {
+                    rmse,
+                    rel_rmse: Some(2.0 * rmse),
+                    bias: -0.5 * rmse,
+                    mae: 0.8 * rmse,
+                    p95: 2.0 * rmse,
+                    p99: 2.5 * rmse,
+                    max: 3.0 * rmse,
+                    rmse_noise: 1e-4,
+                    resolved: true,
+                },
+                flip: None,
+                ssim: None,
+            }),
+            truth: Some(TruthFigures { samples: 256, rms_standard_error: 1e-3, unshadowed_mean: 0.5 }),
+            time: Some(TimeFigures::of(0.25, 2, vec![Sample { prepare_secs: 0.0, shade_secs: 1e-3 * ms }; 3])),
+            memory: Some(Memory { bytes: 2048, parts: BTreeMap::from([("tables".into(), 2048)]) }),
+        };
+        let mut blind = run("blind", "blind", 0.0, 1.0);
+        blind.status = Status::Unsupported;
+        blind.reason = Some("can't model local lights".into());
+        (blind.error, blind.truth, blind.time, blind.memory) = (None, None, None, None);
+        Results {
+            schema: SCHEMA.into(),
+            experiment: "example".into(),
+            claim: "fast is not exact".into(),
+            experiment_hash: "00".into(),
+            quick: false,
+            revision: "0.1.0".into(),
+            machine: Machine { cpu: "an abacus".into(), threads: 2, gpu: None, os: "none".into() },
+            strategies: vec!["fast".into(), "exact".into(), "blind".into()],
+            scenes: vec![SceneFacts {
+                name: "vases".into(),
+                vertices: 1000,
+                triangles: 2000,
+                spheres: 20,
+                published: vec![Published {
+                    method: "Ren et al. pixel shader".into(),
+                    hardware: "GeForce 8800 GTX".into(),
+                    source: "[Guerrero2007, 6]".into(),
+                    frames_per_sec: 95.0,
+                }],
+            }],
+            runs: vec![run("fast", "fast:bands=4", 0.1, 2.0), run("exact", "exact", 0.01, 50.0), blind],
+            pictures: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn json_has_the_keys_of_the_contract_and_reads_back() {
+        let results = example();
+        let text = results.to_json().unwrap();
+        assert_eq!(serde_json::from_str::<Results>(&text).unwrap(), results);
+        let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let run = &json["runs"][0];
+        let has = |value: &serde_json::Value, keys: &[&str]| {
+            for key in keys {
+                assert!(value.get(key).is_some(), "no key {key} in {value}");
+            }
+        };
+        has(&json, &["schema", "experiment", "revision", "machine", "runs"]);
+        has(&json["machine"], &["cpu", "threads", "gpu", "os"]);
+        has(run, &["scene", "frame", "receivers", "strategy", "params", "status", "reason", "error", "truth", "time"]);
+        has(&run["error"], &["reference", "transport", "rmse", "rel_rmse", "bias", "mae", "p95", "p99", "max"]);
+        has(&run["error"], &["flip", "ssim", "resolved"]);
+        has(&run["truth"], &["samples", "rms_standard_error"]);
+        has(&run["time"], &["bake_secs", "prepare_secs", "shade_secs", "frames_per_sec", "samples"]);
+        has(&run["time"]["shade_secs"], &["median", "mad"]);
+        has(&run["memory"], &["bytes", "parts"]);
+        assert_eq!(run["status"], "ok");
+        assert_eq!(json["runs"][2]["status"], "unsupported");
+    }
+
+    #[test]
+    fn damaged_or_foreign_files_are_refused_by_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("results.json");
+        let whole = example().to_json().unwrap();
+        std::fs::write(&path, &whole[..whole.len() / 2]).unwrap();
+        let error = Results::load(folder.path()).unwrap_err().to_string();
+        assert!(error.contains("results.json:") && error.contains("damaged"), "{error}");
+        std::fs::write(&path, whole.replace(SCHEMA, "halfshade.results/9")).unwrap();
+        let error = Results::load(&path).unwrap_err().to_string();
+        assert!(error.contains("halfshade.results/9") && error.contains(SCHEMA), "{error}");
+        assert!(Results::load(&folder.path().join("none.json")).unwrap_err().to_string().contains("cannot read"));
+    }
+}

@@ -1,0 +1,55 @@
+//! Strategies for the harness's own tests: their errors are known without any truth.
+
+use halfshade_scene::{Frame, Progress, RadianceMut, Receivers, Scene};
+use halfshade_strategy::{
+    Baked, Effect, Effects, Footprint, Info, Parameter, ParameterKind, Params, Strategy, StrategyError,
+};
+
+/// `dim` answers albedo times a factor, `black` answers nothing and cannot model local lights, `broken` answers NaN.
+pub(crate) fn strategies() -> Vec<Box<dyn Strategy>> {
+    vec![Box::new(Toy("dim")), Box::new(Toy("black")), Box::new(Toy("broken"))]
+}
+
+struct Toy(&'static str);
+
+struct BakedToy(f32);
+
+impl Strategy for Toy {
+    fn info(&self) -> Info {
+        let factor = ParameterKind::Float { default: 1.0, min: 0.0, max: 1.0 };
+        Info {
+            name: self.0,
+            summary: "a toy",
+            source: "",
+            parameters: match self.0 {
+                "dim" => vec![Parameter { name: "factor", summary: "radiance by albedo", kind: factor }],
+                _ => Vec::new(),
+            },
+            effects: Effects::of(&[Effect::EnvironmentLight, Effect::ColouredLight, Effect::Motion]),
+        }
+    }
+
+    fn bake(&self, _scene: &Scene, params: &Params, _: &dyn Progress) -> Result<Box<dyn Baked>, StrategyError> {
+        Ok(Box::new(BakedToy(match self.0 {
+            "dim" => params.float("factor") as f32,
+            "black" => 0.0,
+            _ => f32::NAN,
+        })))
+    }
+}
+
+impl Baked for BakedToy {
+    fn footprint(&self) -> Footprint {
+        Footprint { parts: vec![("factor", 4)] }
+    }
+
+    fn prepare(&mut self, _frame: &Frame<'_>) -> Result<(), StrategyError> {
+        Ok(())
+    }
+
+    fn shade(&self, receivers: Receivers<'_>, mut out: RadianceMut<'_>) {
+        for i in 0..receivers.len() {
+            out.set(i, receivers.albedo_at(i) * self.0);
+        }
+    }
+}

@@ -1,0 +1,141 @@
+//! Strategies with their parameters set: from a SPEC such as `sh-exp:bands=4`, or from the sweeps of an experiment.
+
+use crate::{Experiment, HarnessError};
+use halfshade_strategy::{Params, Strategy};
+
+/// One strategy with every parameter set.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Variant {
+    /// Place of the strategy in the list of all.
+    pub strategy: usize,
+    /// Name of the strategy.
+    pub name: String,
+    /// All parameters.
+    pub params: Params,
+    /// Name and the parameters that were set by hand: what users read.
+    pub label: String,
+}
+
+impl Variant {
+    /// Reads a SPEC: `name` or `name:key=value,key=value`.
+    pub fn parse(strategies: &[Box<dyn Strategy>], spec: &str) -> Result<Self, String> {
+        let (name, settings) = spec.split_once(':').unwrap_or((spec, ""));
+        let name = name.trim();
+        let strategy = strategies
+            .iter()
+            .position(|strategy| strategy.info().name == name)
+            .ok_or_else(|| format!("unknown strategy `{name}`; known: {}", known(strategies)))?;
+        let info = strategies[strategy].info();
+        let params =
+            Params::parse(&info.parameters, settings).map_err(|error| format!("strategy `{name}`: {error}"))?;
+        let set_by_hand =
+            |key: &str| settings.split(',').any(|pair| pair.split('=').next().unwrap_or("").trim() == key);
+        let set: Vec<String> = info
+            .parameters
+            .iter()
+            .filter(|parameter| set_by_hand(parameter.name))
+            .filter_map(|parameter| {
+                params.iter().find(|(key, _)| *key == parameter.name).map(|(key, value)| format!("{key}={value}"))
+            })
+            .collect();
+        let label = if set.is_empty() { name.to_owned() } else { format!("{name}:{}", set.join(",")) };
+        Ok(Self { strategy, name: name.to_owned(), params, label })
+    }
+
+    /// Name and all parameters: the same for the same work, however it was written.
+    pub fn key(&self) -> String {
+        let all: Vec<String> = self.params.iter().map(|(key, value)| format!("{key}={value}")).collect();
+        format!("{}:{}", self.name, all.join(","))
+    }
+
+    /// The parameter `bands`, where the strategy has one.
+    pub fn bands(&self) -> Option<usize> {
+        self.params.iter().find(|(key, _)| *key == "bands").and_then(|(_, value)| value.to_string().parse().ok())
+    }
+}
+
+/// Every variant an experiment asks for, in its order, each once.
+pub fn sweep(experiment: &Experiment, strategies: &[Box<dyn Strategy>]) -> Result<Vec<Variant>, HarnessError> {
+    let mut variants: Vec<Variant> = Vec::new();
+    for table in &experiment.strategies {
+        let name = table.get_ref().get("name").and_then(|name| name.get_ref().as_str()).ok_or_else(|| {
+            experiment
+                .error_at(table.span().start, format!("[[strategy]] needs a `name`; known: {}", known(strategies)))
+        })?;
+        let mut specs = vec![(table.get_ref()["name"].span().start, format!("{name}:"))];
+        for (key, value) in table.get_ref().iter().filter(|(key, _)| *key != "name") {
+            let offset = value.span().start;
+            let values = match value.get_ref() {
+                toml::Value::Array(values) if values.is_empty() => {
+                    return Err(experiment.error_at(offset, format!("`{key}` is an empty list: nothing to run")));
+                }
+                toml::Value::Array(values) => values.as_slice(),
+                single => std::slice::from_ref(single),
+            };
+            let mut swept = Vec::with_capacity(specs.len() * values.len());
+            for (_, spec) in &specs {
+                for value in values {
+                    let text = match value {
+                        toml::Value::String(text) => text.clone(),
+                        toml::Value::Integer(_) | toml::Value::Float(_) => value.to_string(),
+                        _ => {
+                            let problem = format!("`{key}` must be a word, a number, or a list of them");
+                            return Err(experiment.error_at(offset, problem));
+                        }
+                    };
+                    swept.push((offset, format!("{spec}{key}={text},")));
+                }
+            }
+            specs = swept;
+            // Checked after every key, so that a mistake is reported on its own line.
+            for (offset, spec) in &specs {
+                Variant::parse(strategies, spec).map_err(|problem| experiment.error_at(*offset, problem))?;
+            }
+        }
+        for (offset, spec) in specs {
+            let variant = Variant::parse(strategies, &spec).map_err(|problem| experiment.error_at(offset, problem))?;
+            if variants.iter().all(|other| other.key() != variant.key()) {
+                variants.push(variant);
+            }
+        }
+    }
+    Ok(variants)
+}
+
+fn known(strategies: &[Box<dyn Strategy>]) -> String {
+    strategies.iter().map(|strategy| strategy.info().name).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{experiment, toy};
+    use std::path::Path;
+
+    fn labels(text: &str) -> Result<Vec<String>, String> {
+        let experiment = Experiment::parse(text, Path::new("e.toml")).unwrap();
+        let variants = sweep(&experiment, &toy::strategies()).map_err(|error| error.to_string())?;
+        Ok(variants.into_iter().map(|variant| variant.label).collect())
+    }
+
+    #[test]
+    fn lists_sweep_and_repetitions_run_once() {
+        let text = experiment::tests::SMALL;
+        assert_eq!(labels(text).unwrap(), ["dim:factor=0.5", "dim:factor=0.25"]);
+        let twice = format!("{text}[[strategy]]\nname = \"dim\"\nfactor = 0.5\n[[strategy]]\nname = \"black\"\n");
+        assert_eq!(labels(&twice).unwrap(), ["dim:factor=0.5", "dim:factor=0.25", "black"]);
+    }
+
+    #[test]
+    fn mistakes_name_the_line_and_what_is_known() {
+        let text = experiment::tests::SMALL;
+        let error = labels(&text.replace("factor", "colour")).unwrap_err();
+        assert_eq!(error, "e.toml:9: strategy `dim`: unknown parameter `colour`; known: factor");
+        let error = labels(&text.replace("\"dim\"\nfactor", "\"dimm\"\nfactor")).unwrap_err();
+        assert!(error.starts_with("e.toml:9: unknown strategy `dimm`; known: dim, black"), "{error}");
+        assert!(labels(&text.replace("0.25", "7.0")).unwrap_err().contains("expected 0..=1"));
+        assert!(labels(&text.replace("[0.5, 0.25]", "[]")).unwrap_err().contains("empty list"));
+        assert!(labels(&text.replace("[0.5, 0.25]", "true")).unwrap_err().contains("a word, a number"));
+        assert!(labels(&text.replace("name = \"dim\"\n", "")).unwrap_err().contains("needs a `name`"));
+    }
+}
