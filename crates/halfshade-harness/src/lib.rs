@@ -2,16 +2,28 @@
 //!
 //! The harness never names a strategy: whoever calls it hands in the list of all.
 
+pub mod check;
 pub mod clock;
 pub mod error;
 pub mod experiment;
 pub mod image_io;
 pub mod image_metrics;
 pub mod journal;
+pub mod machine;
 pub mod metrics;
 pub mod output;
+pub mod picture_colors;
+pub mod plan;
+pub mod plot;
+pub mod projection;
+pub mod reference;
+pub mod report;
 pub mod results;
+pub mod run;
+pub mod scene_source;
+pub mod shading;
 pub mod statistics;
+pub mod table;
 pub mod variant;
 
 #[cfg(test)]

@@ -1,0 +1,25 @@
+//! What a measurement ran on.
+
+use crate::results::Machine;
+
+/// Processor, threads and operating system.
+pub fn describe(threads: usize) -> Machine {
+    Machine {
+        cpu: cpu(),
+        threads,
+        gpu: None,
+        os: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
+    }
+}
+
+/// Threads that the machine runs at once.
+pub fn threads() -> usize {
+    std::thread::available_parallelism().map_or(1, |count| count.get())
+}
+
+fn cpu() -> String {
+    let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    text.lines()
+        .find_map(|line| line.strip_prefix("model name")?.split_once(':').map(|(_, name)| name.trim().to_owned()))
+        .unwrap_or_else(|| std::env::consts::ARCH.to_owned())
+}

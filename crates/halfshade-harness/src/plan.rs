@@ -1,0 +1,144 @@
+//! What an experiment comes down to: loaded scenes, and groups of runs that are measured together.
+
+use crate::{
+    Experiment, HarnessError, ReceiverKind, ReferenceKind, Variant, experiment::TimingSettings, reference::Accuracy,
+    scene_source, variant,
+};
+use halfshade_scene::{Camera, Scene};
+use halfshade_strategy::Strategy;
+use std::num::NonZeroUsize;
+
+/// Samples that a noise target starts with.
+const FIRST_SAMPLES: usize = 256;
+
+/// `--quick` divides samples per receiver by this.
+const QUICK_SAMPLES: usize = 8;
+
+/// All that is to be done.
+#[derive(Debug)]
+pub struct Plan {
+    /// The scenes, without sphere sets, and the frames of each.
+    pub scenes: Vec<(Scene, Vec<usize>)>,
+    /// Kinds of receivers.
+    pub receivers: Vec<ReceiverKind>,
+    /// What runs are compared with; the mesh is the first.
+    pub references: Vec<ReferenceKind>,
+    /// Every strategy with its parameters.
+    pub variants: Vec<Variant>,
+    /// How exact the truth is.
+    pub accuracy: Accuracy,
+    /// How time is measured, if it is.
+    pub timing: Option<TimingSettings>,
+    /// Of which variants pictures are drawn, by [`Variant::key`]; nothing: of none.
+    pub pictured: Vec<String>,
+    /// Size of pictures, if other than the camera's.
+    pub resolution: Option<[u32; 2]>,
+}
+
+impl Plan {
+    /// Loads and checks everything, so that mistakes show before any work is done.
+    pub fn new(experiment: &Experiment, strategies: &[Box<dyn Strategy>], quick: bool) -> Result<Self, HarnessError> {
+        let variants = variant::sweep(experiment, strategies)?;
+        let pictured = match &experiment.pictures {
+            None => Vec::new(),
+            Some(settings) => match &settings.strategies {
+                None => variants.iter().map(Variant::key).collect(),
+                Some(specs) => specs
+                    .iter()
+                    .map(|spec| {
+                        let error = |problem| experiment.error_at(spec.span().start, problem);
+                        let key = Variant::parse(strategies, spec.get_ref()).map_err(error)?.key();
+                        if variants.iter().all(|variant| variant.key() != key) {
+                            return Err(error(format!("`{}` is pictured but not among the strategies", spec.get_ref())));
+                        }
+                        Ok(key)
+                    })
+                    .collect::<Result<_, _>>()?,
+            },
+        };
+        let folder = experiment.path.parent().unwrap_or(std::path::Path::new("."));
+        let mut scenes: Vec<(Scene, Vec<usize>)> = Vec::new();
+        for entry in &experiment.scenes {
+            let scene = scene_source::resolve(entry.name.get_ref(), folder, entry.environment.as_deref())
+                .map_err(|error| experiment.error_at(entry.name.span().start, error.to_string()))?;
+            if scenes.iter().any(|(other, _)| other.name == scene.name) {
+                return Err(experiment.error_at(entry.name.span().start, format!("scene `{}` is listed twice", scene.name)));
+            }
+            let mut frames = entry.frames.clone().unwrap_or_else(|| experiment.frames.clone());
+            if let Some(past) = frames.iter().find(|frame| **frame >= scene.frame_count.max(1)) {
+                let problem = format!("scene `{}` has {} frames: there is no frame {past}", scene.name, scene.frame_count);
+                return Err(experiment.error_at(entry.name.span().start, problem));
+            }
+            if quick {
+                frames.truncate(1);
+            }
+            scenes.push((scene, frames));
+        }
+        // The mesh always comes first: it is the truth that everything is relative to.
+        let mut references = vec![ReferenceKind::Mesh];
+        for kind in &experiment.references {
+            if !references.contains(kind) {
+                references.push(*kind);
+            }
+        }
+        let divisor = if quick { QUICK_SAMPLES } else { 1 };
+        let samples = experiment.truth.samples.map_or(FIRST_SAMPLES, |samples| samples.get() as usize);
+        let accuracy = Accuracy {
+            samples: (samples / divisor).max(1),
+            relative_noise: experiment.truth.relative_noise.filter(|_| !quick),
+            seed: u64::from(experiment.truth.seed),
+        };
+        let timing = experiment.timing.map(|timing| match quick {
+            true => TimingSettings { warm_up: 1, repeats: timing.repeats.min(std::num::NonZeroU32::MIN.saturating_add(2)), ..timing },
+            false => timing,
+        });
+        let shrink = if quick { 2 } else { 1 };
+        let resolution = experiment
+            .pictures
+            .as_ref()
+            .and_then(|pictures| pictures.resolution)
+            .map(|size| size.map(|n| (n.get() / shrink).max(1)));
+        Ok(Self {
+            scenes,
+            receivers: experiment.receivers.clone(),
+            references,
+            variants,
+            accuracy,
+            timing,
+            pictured,
+            resolution,
+        })
+    }
+
+    /// The scene's camera, at the resolution of the experiment's pictures.
+    pub fn camera(&self, scene: &Scene) -> Camera {
+        Camera { resolution: self.resolution.unwrap_or(scene.camera.resolution), ..scene.camera }
+    }
+
+    /// The references that are needed besides the mesh, with each strategy's own bands spelled out.
+    pub fn other_references(&self) -> Vec<ReferenceKind> {
+        let mut kinds = Vec::new();
+        for kind in &self.references[1..] {
+            let concrete = match kind {
+                ReferenceKind::OwnBands => {
+                    self.variants.iter().filter_map(|v| NonZeroUsize::new(v.bands()?)).map(ReferenceKind::Bands).collect()
+                }
+                other => vec![*other],
+            };
+            for kind in concrete {
+                if !kinds.contains(&kind) {
+                    kinds.push(kind);
+                }
+            }
+        }
+        kinds
+    }
+
+    /// Whether `variant` is compared with `kind`: with a number of bands only if it is its own.
+    pub fn compares(&self, variant: &Variant, kind: ReferenceKind) -> bool {
+        match kind {
+            ReferenceKind::Bands(bands) => variant.bands() == Some(bands.get()),
+            _ => true,
+        }
+    }
+}

@@ -1,0 +1,363 @@
+//! Error against time, log-log: which method to choose at which price.
+//!
+//! One colour per strategy, fixed by its place in the list of all (Okabe and Ito's palette, made for the colour-blind);
+//! one mark per choice of words among its parameters; numbers among its parameters are written at the points, which are
+//! joined in the order of time. Bars show the median absolute deviation of the time and the truth's noise in the
+//! error. The grey staircase is the Pareto front: nothing measured is both faster and more exact. Unresolved errors are drawn
+//! hollow, at the value that the truth can just resolve.
+
+use crate::results::{Results, Run};
+use plotters::{coord::Shift, prelude::*, style::FontStyle};
+use std::sync::Once;
+
+const PALETTE: [RGBColor; 8] = [
+    RGBColor(86, 86, 86),
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(230, 159, 0),
+    RGBColor(86, 180, 233),
+    RGBColor(150, 110, 40),
+];
+const FAMILY: &str = "sans-serif";
+const SIZE: (u32, u32) = (1000, 600);
+const LEGEND_WIDTH: u32 = 270;
+
+/// One measured run.
+#[derive(Debug, Clone, PartialEq)]
+struct Point {
+    frame_ms: f64,
+    frame_ms_mad: f64,
+    error: f64,
+    error_noise: f64,
+    resolved: bool,
+    /// The numbers among its parameters that differ within the series.
+    numbers: String,
+}
+
+/// Runs of one strategy that differ in numbers only.
+#[derive(Debug, Clone, PartialEq)]
+struct Series {
+    name: String,
+    color: RGBColor,
+    mark: usize,
+    points: Vec<Point>,
+}
+
+/// The plot of one frame of one scene as SVG text and as PNG bytes; `None` if nothing was both scored and timed.
+pub fn error_against_time(
+    results: &Results,
+    scene: &str,
+    frame: usize,
+    receivers: &str,
+) -> Option<Result<(String, Vec<u8>), String>> {
+    let series = series(results, scene, frame, receivers);
+    (!series.is_empty()).then(|| {
+        let title = format!("{scene}, frame {frame}: error against time");
+        let threads = results.machine.threads;
+        register_font();
+        let mut svg = String::new();
+        draw(&SVGBackend::with_string(&mut svg, SIZE).into_drawing_area(), 1, &title, threads, &series)?;
+        // Twice the size, so that it stays sharp on dense screens.
+        let (width, height) = (2 * SIZE.0, 2 * SIZE.1);
+        let mut pixels = vec![0; 3 * (width * height) as usize];
+        {
+            let area = BitMapBackend::with_buffer(&mut pixels, (width, height)).into_drawing_area();
+            draw(&area, 2, &title, threads, &series)?;
+        }
+        let image = image::RgbImage::from_raw(width, height, pixels).ok_or("the bitmap has a wrong size")?;
+        Ok((svg, crate::image_io::png_bytes(&image)?))
+    })
+}
+
+fn register_font() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        // Both are sound font files of the crate; were one not, drawing would say so.
+        let _ = plotters::style::register_font(FAMILY, FontStyle::Normal, dejavu::sans::regular());
+        let _ = plotters::style::register_font(FAMILY, FontStyle::Bold, dejavu::sans::bold());
+    });
+}
+
+fn series(results: &Results, scene: &str, frame: usize, receivers: &str) -> Vec<Series> {
+    let runs: Vec<&Run> = crate::table::runs_of(results, scene, frame, receivers)
+        .filter(|run| run.reference() == "mesh" && run.frame_secs().is_some())
+        .collect();
+    let mut all: Vec<Series> = Vec::new();
+    for run in &runs {
+        let words: Vec<String> = run
+            .params
+            .iter()
+            .filter_map(|(key, value)| {
+                let varies = runs.iter().any(|other| other.strategy == run.strategy && other.params.get(key) != Some(value));
+                value.as_str().filter(|_| varies).map(str::to_owned)
+            })
+            .collect();
+        let numbers: Vec<String> = run
+            .params
+            .iter()
+            .filter(|(key, value)| {
+                value.is_number()
+                    && runs.iter().any(|other| other.strategy == run.strategy && other.params.get(*key) != Some(value))
+            })
+            .map(|(_, value)| value.to_string())
+            .collect();
+        let name = if words.is_empty() { run.strategy.clone() } else { format!("{} {}", run.strategy, words.join(" ")) };
+        let (Some(error), Some(truth), Some(time)) = (&run.error, &run.truth, &run.time) else { continue };
+        let (m, scale) = (&error.metrics, truth.unshadowed_mean);
+        if scale.is_nan() || scale <= 0.0 {
+            continue;
+        }
+        let value = if m.resolved { m.rmse } else { m.rmse.max(truth.rms_standard_error) } / scale;
+        let mads = [time.prepare_secs, time.shade_secs].into_iter().flatten().map(|spread| spread.mad);
+        let point = Point {
+            frame_ms: 1e3 * run.frame_secs().unwrap_or_default(),
+            frame_ms_mad: 1e3 * mads.sum::<f64>(),
+            error: value,
+            error_noise: m.rmse_noise / scale,
+            resolved: m.resolved,
+            numbers: numbers.join(", "),
+        };
+        if !(point.frame_ms > 0.0 && point.error > 0.0) {
+            continue;
+        }
+        match all.iter_mut().find(|series| series.name == name) {
+            Some(series) => series.points.push(point),
+            None => {
+                let place = results.strategies.iter().position(|strategy| *strategy == run.strategy).unwrap_or(0);
+                let mark = all.iter().filter(|series| series.name.split(' ').next() == Some(&run.strategy)).count();
+                let color = PALETTE[place % PALETTE.len()];
+                all.push(Series { name, color, mark, points: vec![point] });
+            }
+        }
+    }
+    for series in &mut all {
+        series.points.sort_by(|a, b| a.frame_ms.total_cmp(&b.frame_ms));
+    }
+    all
+}
+
+/// Points that no other beats in both time and error, in the order of time.
+fn pareto_front(series: &[Series]) -> Vec<(f64, f64)> {
+    let mut points: Vec<(f64, f64)> =
+        series.iter().flat_map(|series| &series.points).map(|point| (point.frame_ms, point.error)).collect();
+    points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let mut best = f64::INFINITY;
+    points.retain(|(_, error)| *error < best && { best = *error; true });
+    points
+}
+
+/// The range of `values`, widened by a part of its decades on both sides.
+fn log_range(values: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
+    let (low, high) = values.fold((f64::INFINITY, 0.0f64), |(low, high), value| (low.min(value), high.max(value)));
+    let margin = (0.08 * (high / low).log10()).max(0.15);
+    low * 10f64.powf(-margin)..high * 10f64.powf(1.4 * margin)
+}
+
+fn draw<B: DrawingBackend>(
+    area: &DrawingArea<B, Shift>,
+    scale: u32,
+    title: &str,
+    threads: usize,
+    series: &[Series],
+) -> Result<(), String> {
+    let text = |error: DrawingAreaErrorKind<B::ErrorType>| error.to_string();
+    let px = |n: u32| n * scale;
+    let points = || series.iter().flat_map(|series| &series.points);
+    area.fill(&WHITE).map_err(text)?;
+    let (left, right) = area.split_horizontally(px(SIZE.0 - LEGEND_WIDTH));
+    let mut chart = ChartBuilder::on(&left)
+        .caption(title, (FAMILY, px(20)).into_font().style(FontStyle::Bold))
+        .margin(px(14))
+        .x_label_area_size(px(52))
+        .y_label_area_size(px(78))
+        .build_cartesian_2d(
+            log_range(points().map(|p| p.frame_ms)).log_scale(),
+            log_range(points().flat_map(|p| [p.error, p.error + p.error_noise])).log_scale(),
+        )
+        .map_err(text)?;
+    chart
+        .configure_mesh()
+        .x_desc(format!("time per frame, prepare + shade, {threads} threads (ms)"))
+        .y_desc("relative RMSE")
+        .label_style((FAMILY, px(13)))
+        .axis_desc_style((FAMILY, px(15)))
+        .x_label_formatter(&|value| tick(*value))
+        .y_label_formatter(&|value| tick(*value))
+        .bold_line_style(RGBColor(215, 215, 215).stroke_width(scale))
+        .light_line_style(RGBColor(240, 240, 240).stroke_width(scale))
+        .axis_style(RGBColor(60, 60, 60).stroke_width(scale))
+        .draw()
+        .map_err(text)?;
+
+    let mut stairs = Vec::new();
+    for pair in pareto_front(series).windows(2) {
+        stairs.extend([pair[0], (pair[1].0, pair[0].1), pair[1]]);
+    }
+    chart
+        .draw_series(LineSeries::new(stairs, RGBColor(170, 170, 170).stroke_width(px(4))))
+        .map_err(text)?;
+
+    for series in series {
+        let thin = series.color.stroke_width(scale);
+        let line = series.points.iter().map(|point| (point.frame_ms, point.error));
+        chart.draw_series(LineSeries::new(line, series.color.mix(0.55).stroke_width(px(2)))).map_err(text)?;
+        for point in &series.points {
+            let (x, y) = (point.frame_ms, point.error);
+            let low = (x - point.frame_ms_mad).max(0.05 * x);
+            chart
+                .draw_series([PathElement::new(vec![(low, y), (x + point.frame_ms_mad, y)], thin)])
+                .map_err(text)?;
+            let low = (y - point.error_noise).max(0.05 * y);
+            chart.draw_series([PathElement::new(vec![(x, low), (x, y + point.error_noise)], thin)]).map_err(text)?;
+            for shape in mark(series.mark, series.color, point.resolved, scale) {
+                chart
+                    .draw_series([EmptyElement::at((x, y)) + shape])
+                    .map_err(text)?;
+            }
+            if !point.numbers.is_empty() {
+                let style = (FAMILY, px(12)).into_font().color(&RGBColor(70, 70, 70));
+                let offset = (px(8) as i32, -(px(16) as i32));
+                chart
+                    .draw_series([EmptyElement::at((x, y)) + Text::new(point.numbers.clone(), offset, style)])
+                    .map_err(text)?;
+            }
+        }
+    }
+    legend(&right, scale, series)?;
+    area.present().map_err(text)
+}
+
+fn legend<B: DrawingBackend>(area: &DrawingArea<B, Shift>, scale: u32, series: &[Series]) -> Result<(), String> {
+    let text = |error: DrawingAreaErrorKind<B::ErrorType>| error.to_string();
+    let px = |n: i32| n * scale as i32;
+    let style = || (FAMILY, px(14)).into_font().color(&RGBColor(30, 30, 30));
+    let mut y = px(60);
+    for series in series {
+        area.draw(&PathElement::new(vec![(px(4), y), (px(34), y)], series.color.mix(0.55).stroke_width(2 * scale)))
+            .map_err(text)?;
+        for shape in mark(series.mark, series.color, true, scale) {
+            area.draw(&(EmptyElement::at((px(19), y)) + shape)).map_err(text)?;
+        }
+        area.draw(&Text::new(series.name.clone(), (px(44), y - px(8)), style())).map_err(text)?;
+        y += px(24);
+    }
+    y += px(8);
+    area.draw(&PathElement::new(vec![(px(4), y), (px(34), y)], RGBColor(170, 170, 170).stroke_width(4 * scale)))
+        .map_err(text)?;
+    area.draw(&Text::new("Pareto front", (px(44), y - px(8)), style())).map_err(text)?;
+    if series.iter().flat_map(|series| &series.points).any(|point| !point.resolved) {
+        y += px(24);
+        area.draw(&Circle::new((px(19), y), px(5), BLACK.stroke_width(scale))).map_err(text)?;
+        area.draw(&Text::new("not resolved by the truth", (px(44), y - px(8)), style())).map_err(text)?;
+    }
+    Ok(())
+}
+
+/// A mark about the origin of pixels, as polygons: circle, square, triangle, diamond, triangle upside down.
+fn mark(number: usize, color: RGBColor, filled: bool, scale: u32) -> Vec<Polygonal> {
+    let r = f64::from(5 * scale);
+    let (corners, turn, radius) = match number % 5 {
+        0 => (24, 0.0, r),
+        1 => (4, 45.0, 1.25 * r),
+        2 => (3, -90.0, 1.4 * r),
+        3 => (4, 0.0, 1.4 * r),
+        _ => (3, 90.0, 1.4 * r),
+    };
+    let points: Vec<(i32, i32)> = (0..=corners)
+        .map(|i| {
+            let angle = f64::to_radians(turn + 360.0 * f64::from(i) / f64::from(corners));
+            ((radius * angle.cos()).round() as i32, (radius * angle.sin()).round() as i32)
+        })
+        .collect();
+    let inside = if filled { color } else { WHITE };
+    vec![
+        Polygonal::Filled(Polygon::new(points.clone(), inside.filled())),
+        Polygonal::Outline(PathElement::new(points, color.stroke_width(scale))),
+    ]
+}
+
+/// A filled polygon or its outline, drawn alike.
+enum Polygonal {
+    Filled(Polygon<(i32, i32)>),
+    Outline(PathElement<(i32, i32)>),
+}
+
+impl<'a> plotters::element::PointCollection<'a, (i32, i32)> for &'a Polygonal {
+    type Point = &'a (i32, i32);
+    type IntoIter = std::vec::IntoIter<&'a (i32, i32)>;
+
+    fn point_iter(self) -> Self::IntoIter {
+        match self {
+            Polygonal::Filled(polygon) => polygon.point_iter().iter().collect::<Vec<_>>().into_iter(),
+            Polygonal::Outline(path) => path.point_iter().iter().collect::<Vec<_>>().into_iter(),
+        }
+    }
+}
+
+impl<B: DrawingBackend> plotters::element::Drawable<B> for Polygonal {
+    fn draw<I: Iterator<Item = (i32, i32)>>(
+        &self,
+        points: I,
+        backend: &mut B,
+        size: (u32, u32),
+    ) -> Result<(), DrawingErrorKind<B::ErrorType>> {
+        match self {
+            Self::Filled(polygon) => polygon.draw(points, backend, size),
+            Self::Outline(path) => path.draw(points, backend, size),
+        }
+    }
+}
+
+/// A tick's label without needless digits.
+fn tick(value: f64) -> String {
+    let text = format!("{value:.6}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::results::tests::example;
+
+    #[test]
+    fn the_front_holds_what_nothing_beats() {
+        let point = |frame_ms, error| Point {
+            frame_ms,
+            frame_ms_mad: 0.0,
+            error,
+            error_noise: 0.0,
+            resolved: true,
+            numbers: String::new(),
+        };
+        let points = vec![point(1.0, 0.5), point(2.0, 0.6), point(3.0, 0.1), point(3.0, 0.2), point(4.0, 0.1)];
+        let series = Series { name: String::new(), color: BLACK, mark: 0, points };
+        assert_eq!(pareto_front(&[series]), [(1.0, 0.5), (3.0, 0.1)]);
+    }
+
+    #[test]
+    fn numbers_join_a_series_and_words_part_it() {
+        let mut results = example();
+        let mut more = results.runs[0].clone();
+        more.params.insert("bands".into(), serde_json::json!(6));
+        let mut other = more.clone();
+        other.params.insert("exp".into(), serde_json::json!("series"));
+        results.runs.extend([more, other]);
+        let series = series(&results, "vases", 0, "vertices");
+        let shown: Vec<(&str, usize)> = series.iter().map(|s| (s.name.as_str(), s.points.len())).collect();
+        assert_eq!(shown, [("fast", 2), ("exact", 1), ("fast series", 1)]);
+        assert_eq!(series[0].points[1].numbers, "6");
+        assert_eq!(series[0].color, series[2].color);
+        assert_ne!((series[0].mark, series[0].color), (series[2].mark, series[1].color));
+    }
+
+    #[test]
+    fn both_formats_are_drawn_whole() {
+        let (svg, png) = error_against_time(&example(), "vases", 0, "vertices").unwrap().unwrap();
+        assert!(svg.trim_end().ends_with("</svg>") && svg.contains("relative RMSE") && svg.contains("Pareto front"));
+        let image = image::load_from_memory(&png).unwrap();
+        assert_eq!((image.width(), image.height()), (2 * SIZE.0, 2 * SIZE.1));
+        assert!(error_against_time(&example(), "nowhere", 0, "vertices").is_none());
+    }
+}

@@ -1,0 +1,95 @@
+//! From receivers to pixels: which receivers a camera sees, and with what weights.
+
+use crate::image_io::Picture;
+use glam::Vec3;
+use halfshade_scene::{Camera, Frame, RadianceBuffer, ReceiverBuffer};
+use halfshade_truth::Tracer;
+
+/// Camera rays per pixel and axis where receivers are vertices: edges are smoothed, at no cost in receivers.
+const SUPERSAMPLE: u32 = 2;
+
+/// What a camera sees, in terms of receivers.
+#[derive(Debug, Clone)]
+pub struct Projection {
+    width: usize,
+    height: usize,
+    /// Samples per pixel and axis.
+    supersample: usize,
+    /// Row by row over all samples: three receivers and their weights, or nothing where nothing is hit.
+    samples: Vec<Option<([u32; 3], Vec3)>>,
+}
+
+impl Projection {
+    /// Pictures of vertex receivers: interpolated over the triangle that the ray hits.
+    pub fn of_vertices(tracer: &Tracer, frame: &Frame<'_>, camera: &Camera) -> Self {
+        let fine = Camera { resolution: camera.resolution.map(|n| n * SUPERSAMPLE), ..*camera };
+        let mut first_vertex = Vec::new();
+        let mut count = 0;
+        for object in &frame.scene.objects {
+            first_vertex.push(count);
+            count += object.mesh.positions.len() as u32;
+        }
+        let samples = tracer.primary_hits(&fine).into_iter().map(|hit| {
+            hit.map(|hit| {
+                let object = hit.object as usize;
+                let vertices = frame.scene.objects[object].mesh.triangles[hit.triangle as usize];
+                (vertices.map(|vertex| first_vertex[object] + vertex), hit.barycentrics)
+            })
+        });
+        let [width, height] = camera.resolution.map(|n| n as usize);
+        Self { width, height, supersample: SUPERSAMPLE as usize, samples: samples.collect() }
+    }
+
+    /// The receivers that a camera sees through the centres of its pixels, and how they make a picture.
+    pub fn of_pixels(tracer: &Tracer, frame: &Frame<'_>, camera: &Camera) -> (ReceiverBuffer, Self) {
+        let [width, height] = camera.resolution.map(|n| n as usize);
+        let mut receivers = ReceiverBuffer::default();
+        let hits = tracer.primary_hits(camera).into_iter().enumerate();
+        let samples = hits.map(|(pixel, hit)| {
+            hit.map(|hit| {
+                let (column, row) = (pixel % width, pixel / width);
+                let direction = camera.ray_direction(column as f32 + 0.5, row as f32 + 0.5);
+                let surface = tracer.surface_at(frame, &hit, direction);
+                receivers.push(surface.position, surface.normal, surface.albedo, surface.object);
+                ([receivers.len() as u32 - 1; 3], Vec3::X)
+            })
+        });
+        let samples = samples.collect();
+        (receivers, Self { width, height, supersample: 1, samples })
+    }
+
+    /// The picture of `radiance`; `background` where nothing is hit.
+    pub fn picture(&self, radiance: &RadianceBuffer, background: Vec3) -> Picture {
+        let mut picture = Picture::filled(self.width, self.height, Vec3::ZERO);
+        let fine_width = self.width * self.supersample;
+        let share = 1.0 / (self.supersample * self.supersample) as f32;
+        for (i, sample) in self.samples.iter().enumerate() {
+            let color = sample.map_or(background, |(receivers, weights)| {
+                let [a, b, c] = receivers.map(|receiver| radiance.at(receiver as usize));
+                a * weights.x + b * weights.y + c * weights.z
+            });
+            let (column, row) = (i % fine_width / self.supersample, i / fine_width / self.supersample);
+            picture.pixels[row * self.width + column] += share * color;
+        }
+        picture
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_are_weighted_and_averaged_within_their_pixel() {
+        let mut radiance = RadianceBuffer::zeros(3);
+        for (i, value) in [1.0, 2.0, 4.0].into_iter().enumerate() {
+            radiance.view_mut().set(i, Vec3::splat(value));
+        }
+        let hit = Some(([0, 1, 2], Vec3::new(0.5, 0.25, 0.25)));
+        // Two pixels side by side, four samples each: the left is all hit, the right half.
+        let samples = vec![hit, hit, hit, None, hit, hit, None, hit];
+        let projection = Projection { width: 2, height: 1, supersample: 2, samples };
+        let picture = projection.picture(&radiance, Vec3::splat(10.0));
+        assert_eq!(picture.pixels, [Vec3::splat(2.0), Vec3::splat(6.0)]);
+    }
+}

@@ -1,0 +1,113 @@
+//! References: the truth, and truths of simpler scenes that tell where an error comes from.
+
+use crate::{HarnessError, ReferenceKind, metrics::Reference};
+use halfshade_scene::{
+    Environment, Frame, Progress, RadianceBuffer, Receivers, Scene,
+    cache::{Cache, CacheKey},
+    light::DistantLight,
+};
+use halfshade_truth::{Geometry, Options, Tracer, estimate};
+use serde::{Deserialize, Serialize};
+
+/// Limits an environment to a number of bands of spherical harmonics. The harness knows no harmonics: its caller does.
+pub type BandLimit<'a> = dyn Fn(&Environment, usize) -> Environment + Sync + 'a;
+
+/// How exact references are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Accuracy {
+    /// Samples per receiver, or where a noise target starts.
+    pub samples: usize,
+    /// Sample until the root mean square of the standard error is below this fraction of the unshadowed mean.
+    pub relative_noise: Option<f64>,
+    /// Where the samples start from.
+    pub seed: u64,
+}
+
+/// What was computed for one reference; what is kept in the cache.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct Stored {
+    radiance: [Vec<f32>; 3],
+    standard_error: [Vec<f32>; 3],
+    samples: usize,
+    unshadowed_mean: f64,
+}
+
+/// Raise it whenever the meaning of what is cached changes.
+const VERSION: u32 = 1;
+
+/// Radiance of `receivers` at frame `index` of `scene` by the reference `kind`, and its samples per receiver.
+/// `kind` is not [`ReferenceKind::OwnBands`]: that one depends on who asks.
+pub fn reference(
+    scene: &Scene,
+    index: usize,
+    receivers: Receivers<'_>,
+    kind: ReferenceKind,
+    accuracy: &Accuracy,
+    band_limit: &BandLimit<'_>,
+    cache: &Cache,
+    progress: &dyn Progress,
+) -> Result<(Reference, usize), HarnessError> {
+    let limited;
+    let lit = match kind {
+        ReferenceKind::Bands(bands) => {
+            limited = Scene { environment: band_limit(&scene.environment, bands.get()), ..scene.clone() };
+            &limited
+        }
+        _ => scene,
+    };
+    let geometry = match kind {
+        ReferenceKind::Mesh => Geometry::Mesh,
+        _ => Geometry::Spheres(Default::default()),
+    };
+    let options = Options {
+        geometry,
+        samples: accuracy.samples,
+        noise_target: accuracy.relative_noise,
+        seed: accuracy.seed,
+        ..Options::default()
+    };
+    let frame = lit.frame(index);
+    let key = key(&frame, receivers, &options);
+    let (stored, _) = cache.get_or_compute(&key, || {
+        let estimate = estimate(&Tracer::new(&frame), receivers, &options, progress);
+        Ok(Stored {
+            radiance: estimate.radiance.channels,
+            standard_error: estimate.standard_error.channels,
+            samples: estimate.samples,
+            unshadowed_mean: estimate.unshadowed_mean,
+        })
+    })?;
+    let reference = Reference {
+        radiance: RadianceBuffer { channels: stored.radiance },
+        standard_error: RadianceBuffer { channels: stored.standard_error },
+        unshadowed_mean: stored.unshadowed_mean,
+    };
+    Ok((reference, stored.samples))
+}
+
+/// Everything the truth depends on, by its exact bits.
+fn key(frame: &Frame<'_>, receivers: Receivers<'_>, options: &Options) -> CacheKey {
+    let mut key = CacheKey::new("truth", VERSION)
+        .value(&(&receivers.position, &receivers.normal, &receivers.albedo, receivers.index))
+        .value(&(options.samples, options.noise_target, options.max_samples, options.seed))
+        .bytes(format!("{:?} {:?}", options.geometry, options.transport).as_bytes())
+        .value(&frame.world_from_environment);
+    for (object, pose) in frame.scene.objects.iter().zip(&frame.world_from_object) {
+        key = key
+            .value(&(&object.mesh.positions, &object.mesh.triangles))
+            .value(&(pose.scale, pose.rotation, pose.translation));
+        for sphere in object.spheres.iter().flat_map(|set| &set.spheres) {
+            key = key.value(&(sphere.center, sphere.radius));
+        }
+    }
+    let environment = &frame.scene.environment;
+    key = match &environment.base {
+        DistantLight::Constant(radiance) => key.value(radiance),
+        DistantLight::Map(map) => key.value(&(map.width(), map.height(), map.texels())),
+    };
+    key = key.value(&environment.sun.map(|sun| (sun.direction, sun.angular_radius, sun.radiance)));
+    for light in &frame.lights {
+        key = key.value(&(light.center, light.radius, light.radiance));
+    }
+    key
+}

@@ -1,0 +1,536 @@
+//! Running an experiment: bake, prepare, shade, score, time, picture; journal every step.
+
+use crate::{
+    Clock, Experiment, HarnessError, Picture, ReceiverKind, ReferenceKind, Results, Variant,
+    clock::time_secs,
+    image_io::{exr_bytes, png_bytes},
+    image_metrics::ssim,
+    journal::{Entry, Header, Journal},
+    machine,
+    metrics::{Metrics, Reference, compare},
+    output::{prepare_folder, write_atomically},
+    picture_colors::signed_error,
+    plan::Plan,
+    projection::Projection,
+    reference::{BandLimit, reference},
+    results::{ErrorFigures, Memory, PictureFiles, Run, SCHEMA, Sample, SceneFacts, Status, TimeFigures, TruthFigures},
+    shading::{count_not_finite, shade_all},
+};
+use glam::Vec3;
+use halfshade_scene::{Frame, Progress, RadianceBuffer, ReceiverBuffer, Scene, cache::Cache};
+use halfshade_strategy::{Baked, Effects, Strategy, StrategyError};
+use halfshade_truth::Tracer;
+use std::{
+    collections::HashMap,
+    path::{Path, PathBuf},
+};
+
+/// What the harness is given: it names no strategy and owns no terminal.
+pub struct Tools<'a> {
+    /// All strategies.
+    pub strategies: &'a [Box<dyn Strategy>],
+    /// Limits an environment to some bands.
+    pub band_limit: &'a BandLimit<'a>,
+    /// Where sphere sets are kept.
+    pub cache: &'a Cache,
+    /// Who is told how far long work is.
+    pub progress: &'a dyn Progress,
+    /// The clock.
+    pub clock: &'a dyn Clock,
+    /// Takes sentences for the user.
+    pub note: &'a (dyn Fn(&str) + Sync),
+    /// Version and commit of the program.
+    pub revision: &'a str,
+}
+
+/// How an experiment is run.
+#[derive(Debug, Clone, Default)]
+pub struct RunOptions {
+    /// Threads, if other than the experiment's.
+    pub threads: Option<usize>,
+    /// Fewer samples, one frame, three timed rounds.
+    pub quick: bool,
+    /// Go on with the journal that is there.
+    pub resume: bool,
+    /// Where pictures, results and the journal go; without it nothing is written, timed or pictured.
+    pub out: Option<PathBuf>,
+}
+
+/// What the journal knows already.
+#[derive(Default)]
+struct Known {
+    scored: HashMap<String, Vec<Run>>,
+    samples: HashMap<String, Vec<Sample>>,
+    pictured: HashMap<String, (PictureFiles, Option<f64>)>,
+    truths: Vec<PictureFiles>,
+}
+
+/// Runs `experiment` and returns its results; with [`RunOptions::out`], `results.json` and its company lie there.
+pub fn run(experiment: &Experiment, tools: &Tools<'_>, options: &RunOptions) -> Result<Results, HarnessError> {
+    let plan = Plan::new(experiment, tools.strategies, options.quick)?;
+    let timing_threads = plan.timing.and_then(|timing| timing.threads).map(|threads| threads.get());
+    let threads = options.threads.or(timing_threads).unwrap_or_else(machine::threads);
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|error| HarnessError::input(format!("cannot start {threads} threads: {error}")))?;
+    let mut results = Results {
+        schema: SCHEMA.into(),
+        experiment: experiment.name.clone(),
+        claim: experiment.claim.clone(),
+        experiment_hash: blake3::hash(experiment.text.as_bytes()).to_hex().to_string(),
+        quick: options.quick,
+        revision: tools.revision.to_owned(),
+        machine: machine::describe(threads),
+        strategies: tools.strategies.iter().map(|strategy| strategy.info().name.to_owned()).collect(),
+        scenes: Vec::new(),
+        runs: Vec::new(),
+        pictures: Vec::new(),
+    };
+    let header = Header {
+        schema: "halfshade.journal/1".into(),
+        experiment_hash: results.experiment_hash.clone(),
+        quick: options.quick,
+        threads,
+        revision: tools.revision.to_owned(),
+    };
+    let (journal, known) = match &options.out {
+        None => (None, Known::default()),
+        Some(out) => {
+            prepare_folder(out)?;
+            let path = out.join("journal.jsonl");
+            if options.resume && path.exists() {
+                let (journal, entries) = Journal::resume(&path, &header)?;
+                (Some(journal), Known::of(entries))
+            } else {
+                if options.resume {
+                    (tools.note)("nothing to resume: starting from the beginning");
+                }
+                (Some(Journal::create(&path, &header)?), Known::default())
+            }
+        }
+    };
+    // Truths are kept until the run is complete: resuming would otherwise trace them again.
+    let truth_folder = options.out.as_ref().map(|out| out.join("truth"));
+    let truth_cache = truth_folder.clone().map_or_else(Cache::disabled, |folder| Cache::open(Some(folder)));
+    let mut session = Session { tools, plan: &plan, options, threads, journal, known, truth_cache };
+    pool.install(|| {
+        for (number, (scene, frames)) in plan.scenes.iter().enumerate() {
+            let mut scene = scene.clone();
+            for note in scene.build_spheres(tools.cache, tools.progress)? {
+                (tools.note)(&format!("{}: {note}", scene.name));
+            }
+            results.scenes.push(SceneFacts {
+                name: scene.name.clone(),
+                vertices: scene.vertex_count(),
+                triangles: scene.objects.iter().map(|object| object.mesh.triangles.len()).sum(),
+                spheres: scene.built_sphere_count(),
+                published: experiment.scenes[number].published.clone(),
+            });
+            for (place, &frame) in frames.iter().enumerate() {
+                for (kind_place, &kind) in plan.receivers.iter().enumerate() {
+                    let pictured = place == 0 && kind_place == 0;
+                    session.group(&scene, frame, kind, pictured, &mut results)?;
+                }
+            }
+        }
+        Ok::<(), HarnessError>(())
+    })?;
+    if let Some(out) = &options.out {
+        crate::report::write_all(&results, out)?;
+        if let Some(journal) = session.journal.take() {
+            journal.finish()?;
+        }
+        if let Some(folder) = truth_folder.filter(|folder| folder.exists()) {
+            std::fs::remove_dir_all(&folder).map_err(|source| HarnessError::io(&folder, "remove", source))?;
+        }
+    }
+    Ok(results)
+}
+
+impl Known {
+    fn of(entries: Vec<Entry>) -> Self {
+        let mut known = Self::default();
+        for entry in entries {
+            match entry {
+                Entry::Scored(runs) => {
+                    if let Some(run) = runs.first() {
+                        known.scored.insert(run.key(), runs);
+                    }
+                }
+                Entry::Timed { key, sample } => known.samples.entry(key).or_default().push(sample),
+                Entry::Pictured { key: Some(key), files, ssim } => {
+                    known.pictured.insert(key, (files, ssim));
+                }
+                Entry::Pictured { key: None, files, .. } => known.truths.push(files),
+            }
+        }
+        known
+    }
+}
+
+struct Session<'a> {
+    tools: &'a Tools<'a>,
+    plan: &'a Plan,
+    options: &'a RunOptions,
+    threads: usize,
+    journal: Option<Journal>,
+    known: Known,
+    truth_cache: Cache,
+}
+
+/// A strategy that is ready to be timed.
+struct Ready {
+    key: String,
+    baked: Box<dyn Baked>,
+}
+
+/// The references of a group, each with its samples per receiver; the mesh first.
+type References = Vec<(ReferenceKind, Reference, usize)>;
+
+impl Session<'_> {
+    /// All strategies on one frame and kind of receivers.
+    fn group(
+        &mut self,
+        scene: &Scene,
+        index: usize,
+        kind: ReceiverKind,
+        pictured: bool,
+        results: &mut Results,
+    ) -> Result<(), HarnessError> {
+        let frame = scene.frame(index);
+        let tracer = Tracer::new(&frame);
+        let camera = self.plan.camera(scene);
+        let pictured = pictured && self.options.out.is_some() && !self.plan.pictured.is_empty();
+        let (receivers, projection) = match kind {
+            ReceiverKind::Vertices => {
+                let projection = pictured.then(|| Projection::of_vertices(&tracer, &frame, &camera));
+                (ReceiverBuffer::vertices(&frame), projection)
+            }
+            ReceiverKind::Pixels => {
+                let (receivers, projection) = Projection::of_pixels(&tracer, &frame, &camera);
+                (receivers, pictured.then_some(projection))
+            }
+        };
+        drop(tracer);
+        if receivers.is_empty() {
+            let problem = format!("scene `{}`, frame {index}: no {kind} to score; does the camera see anything?", scene.name);
+            return Err(HarnessError::input(problem));
+        }
+        let blank = |variant: &Variant| Run {
+            scene: scene.name.clone(),
+            frame: index,
+            receivers: kind.to_string(),
+            receiver_count: receivers.len(),
+            strategy: variant.name.clone(),
+            label: variant.label.clone(),
+            params: variant
+                .params
+                .iter()
+                .map(|(name, value)| (name.to_owned(), serde_json::to_value(value).unwrap_or_default()))
+                .collect(),
+            status: Status::Failed,
+            reason: None,
+            error: None,
+            truth: None,
+            time: None,
+            memory: None,
+        };
+        let references = self.references(scene, index, &receivers)?;
+        let exposure = projection.as_ref().map_or(1.0, |p| p.picture(&references[0].1.radiance, Vec3::ZERO).exposure());
+        if let Some(projection) = &projection {
+            self.picture_truth(scene, index, projection, &references[0].1, exposure)?;
+        }
+        self.reference_rows(&blank, &references, results);
+
+        let mut ready = Vec::new();
+        for variant in &self.plan.variants {
+            let run = blank(variant);
+            let key = run.key();
+            let scored = self.known.scored.get(&key).cloned();
+            let to_picture = projection.is_some()
+                && self.plan.pictured.contains(&variant.key())
+                && !self.known.pictured.contains_key(&key);
+            let finished = scored.as_ref().is_some_and(|runs| runs.iter().any(|run| run.status != Status::Ok));
+            if finished || (scored.is_some() && !to_picture && self.missing_samples(&key) == 0) {
+                continue;
+            }
+            let (runs, baked, radiance) = self.score(&frame, receivers.view(), variant, run, &references);
+            if scored.is_none() {
+                self.append(Entry::Scored(runs.clone()))?;
+                self.known.scored.insert(key.clone(), runs);
+            }
+            if let (Some(projection), Some(radiance), true) = (&projection, &radiance, to_picture) {
+                let picture = projection.picture(radiance, Vec3::ZERO);
+                let truth = projection.picture(&references[0].1.radiance, Vec3::ZERO);
+                let ssim = ssim(&picture, &truth, exposure);
+                let files = self.write_pictures(scene, index, &variant.label, &picture, Some((&truth, &references[0].1)), exposure)?;
+                self.append(Entry::Pictured { key: Some(key.clone()), files: files.clone(), ssim })?;
+                self.known.pictured.insert(key.clone(), (files, ssim));
+            }
+            if let (Some(baked), true) = (baked, self.plan.timing.is_some() && self.options.out.is_some()) {
+                ready.push(Ready { key, baked });
+            }
+        }
+        self.time(scene, &frame, &receivers, &mut ready)?;
+
+        results.pictures.extend(self.known.truths.iter().filter(|files| {
+            files.scene == scene.name && files.frame == index && projection.is_some()
+        }).cloned());
+        for variant in &self.plan.variants {
+            let key = blank(variant).key();
+            let picture = self.known.pictured.get(&key);
+            for mut run in self.known.scored.get(&key).cloned().unwrap_or_default() {
+                if let (Some(time), Some(samples)) = (&run.time, self.known.samples.get(&key)) {
+                    run.time = Some(TimeFigures::of(time.bake_secs, time.threads, samples.clone()));
+                }
+                if let (Some(error), Some((_, ssim))) = (&mut run.error, picture)
+                    && error.reference == ReferenceKind::Mesh.to_string()
+                {
+                    error.ssim = *ssim;
+                }
+                results.runs.push(run);
+            }
+            results.pictures.extend(picture.map(|(files, _)| files.clone()));
+        }
+        Ok(())
+    }
+
+    fn references(&self, scene: &Scene, index: usize, receivers: &ReceiverBuffer) -> Result<References, HarnessError> {
+        let kinds = std::iter::once(ReferenceKind::Mesh).chain(self.plan.other_references());
+        kinds
+            .map(|kind| {
+                let (reference, samples) = reference(
+                    scene,
+                    index,
+                    receivers.view(),
+                    kind,
+                    &self.plan.accuracy,
+                    self.tools.band_limit,
+                    &self.truth_cache,
+                    self.tools.progress,
+                )?;
+                Ok((kind, reference, samples))
+            })
+            .collect()
+    }
+
+    /// How far the other references are from the mesh's: what a strategy without any error of its own would show.
+    fn reference_rows(&self, blank: &dyn Fn(&Variant) -> Run, references: &References, results: &mut Results) {
+        let Some(((_, mesh, _), others)) = references.split_first() else { return };
+        for (kind, other, samples) in others {
+            // Both sides are noisy: the variances of the difference add.
+            let mut both = mesh.clone();
+            let errors = both.standard_error.channels.iter_mut().flatten();
+            for (error, other) in errors.zip(other.standard_error.channels.iter().flatten()) {
+                *error = error.hypot(*other);
+            }
+            let Some(metrics) = compare(&other.radiance, &both) else { continue };
+            let Some(variant) = self.plan.variants.first() else { continue };
+            results.runs.push(Run {
+                strategy: "reference".into(),
+                label: format!("reference: {kind}"),
+                params: std::collections::BTreeMap::from([("reference".to_owned(), kind.to_string().into())]),
+                status: Status::Ok,
+                error: Some(figures(ReferenceKind::Mesh, metrics)),
+                truth: Some(truth_figures(&both, *samples, mesh)),
+                ..blank(variant)
+            });
+        }
+    }
+
+    /// Bakes, prepares and shades once, and compares with every reference.
+    fn score(
+        &self,
+        frame: &Frame<'_>,
+        receivers: halfshade_scene::Receivers<'_>,
+        variant: &Variant,
+        run: Run,
+        references: &References,
+    ) -> (Vec<Run>, Option<Box<dyn Baked>>, Option<RadianceBuffer>) {
+        let ended = |status, reason: String| (vec![Run { status, reason: Some(reason), ..run.clone() }], None, None);
+        let refused = |error| match error {
+            StrategyError::Unsupported(reason) => ended(Status::Unsupported, reason),
+            StrategyError::Failed(reason) => ended(Status::Failed, reason),
+        };
+        let strategy = &self.tools.strategies[variant.strategy];
+        let missing = strategy.info().effects.missing(Effects::required_by(frame.scene));
+        if !missing.is_empty() {
+            return ended(Status::Unsupported, format!("can't model {missing}"));
+        }
+        let (bake_secs, baked) =
+            time_secs(self.tools.clock, || strategy.bake(frame.scene, &variant.params, self.tools.progress));
+        let mut baked = match baked {
+            Ok(baked) => baked,
+            Err(error) => return refused(error),
+        };
+        if let Err(error) = baked.prepare(frame) {
+            return refused(error);
+        }
+        let mut radiance = RadianceBuffer::zeros(receivers.len());
+        shade_all(baked.as_ref(), receivers, &mut radiance);
+        let broken = count_not_finite(&radiance);
+        if broken > 0 {
+            return ended(Status::Failed, format!("{broken} of {} values are not finite", 3 * radiance.len()));
+        }
+        let footprint = baked.footprint();
+        let memory = Memory {
+            bytes: footprint.bytes(),
+            parts: footprint.parts.iter().map(|(part, bytes)| ((*part).to_owned(), *bytes)).collect(),
+        };
+        let mesh = &references[0].1;
+        let runs = references
+            .iter()
+            .filter(|(kind, ..)| self.plan.compares(variant, *kind))
+            .filter_map(|(kind, reference, samples)| {
+                // Relative errors share one denominator, so that they can be compared between references.
+                let reference = Reference { unshadowed_mean: mesh.unshadowed_mean, ..reference.clone() };
+                let metrics = compare(&radiance, &reference)?;
+                Some(Run {
+                    status: Status::Ok,
+                    error: Some(figures(*kind, metrics)),
+                    truth: Some(truth_figures(&reference, *samples, mesh)),
+                    time: Some(TimeFigures::of(bake_secs, self.threads, Vec::new())),
+                    memory: Some(memory.clone()),
+                    ..run.clone()
+                })
+            })
+            .collect();
+        (runs, Some(baked), Some(radiance))
+    }
+
+    fn missing_samples(&self, key: &str) -> usize {
+        let wanted = self.plan.timing.map_or(0, |timing| timing.repeats.get() as usize);
+        wanted.saturating_sub(self.known.samples.get(key).map_or(0, Vec::len))
+    }
+
+    /// Rounds over all strategies, so that a disturbance meets all alike; whoever begins changes from round to round.
+    /// Before every timed frame its neighbour is prepared, untimed: what a frame changes is really new to it.
+    fn time(
+        &mut self,
+        scene: &Scene,
+        frame: &Frame<'_>,
+        receivers: &ReceiverBuffer,
+        ready: &mut [Ready],
+    ) -> Result<(), HarnessError> {
+        let Some(timing) = self.plan.timing.filter(|_| !ready.is_empty()) else { return Ok(()) };
+        let neighbour = scene.frame(if frame.index > 0 { frame.index - 1 } else { 1 });
+        let rounds = ready.iter().map(|ready| self.missing_samples(&ready.key)).max().unwrap_or(0);
+        let all_rounds = timing.warm_up as usize + rounds;
+        self.tools.progress.start(&format!("timing {}", scene.name), (all_rounds * ready.len()) as u64);
+        let mut radiance = RadianceBuffer::zeros(receivers.len());
+        for round in 0..all_rounds {
+            let count = ready.len();
+            for place in 0..count {
+                let Ready { key, baked } = &mut ready[(place + round) % count];
+                let warming_up = round < timing.warm_up as usize;
+                if !warming_up && self.missing_samples(key) == 0 {
+                    continue;
+                }
+                let sample = timed_frame(self.tools.clock, baked.as_mut(), &neighbour, frame, receivers, &mut radiance)
+                    .map_err(|error| HarnessError::input(format!("{key}: preparing a second time failed: {error}")))?;
+                if !warming_up {
+                    self.append(Entry::Timed { key: key.clone(), sample })?;
+                    self.known.samples.entry(key.clone()).or_default().push(sample);
+                }
+                self.tools.progress.advance(1);
+            }
+        }
+        Ok(())
+    }
+
+    fn picture_truth(
+        &mut self,
+        scene: &Scene,
+        frame: usize,
+        projection: &Projection,
+        truth: &Reference,
+        exposure: f32,
+    ) -> Result<(), HarnessError> {
+        if self.known.truths.iter().any(|files| files.scene == scene.name && files.frame == frame) {
+            return Ok(());
+        }
+        let picture = projection.picture(&truth.radiance, Vec3::ZERO);
+        let files = self.write_pictures(scene, frame, "truth", &picture, None, exposure)?;
+        self.append(Entry::Pictured { key: None, files: files.clone(), ssim: None })?;
+        self.known.truths.push(files);
+        Ok(())
+    }
+
+    fn write_pictures(
+        &self,
+        scene: &Scene,
+        frame: usize,
+        label: &str,
+        picture: &Picture,
+        truth: Option<(&Picture, &Reference)>,
+        exposure: f32,
+    ) -> Result<PictureFiles, HarnessError> {
+        let out = self.options.out.as_deref().unwrap_or(Path::new("."));
+        let folder = PathBuf::from("pictures").join(file_name(&format!("{}-{frame:04}", scene.name)));
+        let absolute = out.join(&folder);
+        std::fs::create_dir_all(&absolute).map_err(|source| HarnessError::io(&absolute, "create", source))?;
+        let write = |ending: &str, bytes: Result<Vec<u8>, String>| -> Result<String, HarnessError> {
+            let path = folder.join(format!("{}{ending}", file_name(label)));
+            let bytes = bytes.map_err(|problem| HarnessError::in_file(&out.join(&path), problem))?;
+            write_atomically(&out.join(&path), &bytes)?;
+            Ok(path.to_string_lossy().replace('\\', "/"))
+        };
+        let error = truth.map(|(truth, reference)| (picture.minus(truth), truth, reference));
+        let mut layers = vec![("", picture)];
+        if let Some((error, truth, _)) = &error {
+            layers.extend([("truth", *truth), ("error", error)]);
+        }
+        Ok(PictureFiles {
+            scene: scene.name.clone(),
+            frame,
+            label: label.to_owned(),
+            exr: write(".exr", exr_bytes(&layers))?,
+            png: write(".png", png_bytes(&picture.to_srgb(exposure)))?,
+            error_png: match &error {
+                Some((error, _, reference)) => {
+                    Some(write(".error.png", png_bytes(&signed_error(error, reference.unshadowed_mean)))?)
+                }
+                None => None,
+            },
+            exposure,
+        })
+    }
+
+    fn append(&mut self, entry: Entry) -> Result<(), HarnessError> {
+        self.journal.as_mut().map_or(Ok(()), |journal| journal.append(&entry))
+    }
+}
+
+/// One frame by the clock, after its neighbour was prepared untimed.
+fn timed_frame(
+    clock: &dyn Clock,
+    baked: &mut dyn Baked,
+    neighbour: &Frame<'_>,
+    frame: &Frame<'_>,
+    receivers: &ReceiverBuffer,
+    radiance: &mut RadianceBuffer,
+) -> Result<Sample, StrategyError> {
+    baked.prepare(neighbour)?;
+    let (prepare_secs, prepared) = time_secs(clock, || baked.prepare(frame));
+    prepared?;
+    let (shade_secs, ()) = time_secs(clock, || shade_all(baked, receivers.view(), radiance));
+    Ok(Sample { prepare_secs, shade_secs })
+}
+
+fn figures(kind: ReferenceKind, metrics: Metrics) -> ErrorFigures {
+    ErrorFigures { reference: kind.to_string(), transport: "direct".into(), metrics, flip: None, ssim: None }
+}
+
+fn truth_figures(reference: &Reference, samples: usize, mesh: &Reference) -> TruthFigures {
+    TruthFigures {
+        samples: samples as u64,
+        rms_standard_error: reference.rms_standard_error(),
+        unshadowed_mean: mesh.unshadowed_mean,
+    }
+}
+
+/// A name that is a file name everywhere.
+pub(crate) fn file_name(label: &str) -> String {
+    label.chars().map(|c| if c.is_ascii_alphanumeric() || matches!(c, '-' | '.') { c } else { '_' }).collect()
+}
