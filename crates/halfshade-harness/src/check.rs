@@ -45,7 +45,12 @@ pub fn compare(now: &Results, baseline: &Results) -> Result<Comparison, HarnessE
                 let worse = old.status == Status::Ok;
                 failures += usize::from(worse);
                 let why = new.reason.clone().unwrap_or_default();
-                rows.push(row(new, old_text(old), why, if worse { "FAILED: no longer measured" } else { "measured now" }));
+                rows.push(row(
+                    new,
+                    old_text(old),
+                    why,
+                    if worse { "FAILED: no longer measured" } else { "measured now" },
+                ));
             }
             continue;
         };
@@ -63,7 +68,8 @@ pub fn compare(now: &Results, baseline: &Results) -> Result<Comparison, HarnessE
     for new in now.runs.iter().filter(|new| baseline.runs.iter().all(|old| !same(new, old))) {
         rows.push(row(new, "none".into(), old_text(new), "new: renew the baseline"));
     }
-    let columns = ["scene", "frame", "strategy", "reference", "baseline RMSE", "RMSE now", "verdict"].map(Column::plain);
+    let columns =
+        ["scene", "frame", "strategy", "reference", "baseline RMSE", "RMSE now", "verdict"].map(Column::plain);
     let moved = Table { title: "What moved".into(), columns: columns.to_vec(), rows, notes: Vec::new() };
     Ok(Comparison { moved, compared, failures })
 }

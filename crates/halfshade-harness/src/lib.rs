@@ -22,6 +22,7 @@ pub mod results;
 pub mod run;
 pub mod scene_source;
 pub mod shading;
+pub mod sphere_fit;
 pub mod statistics;
 pub mod table;
 pub mod variant;

@@ -1,15 +1,10 @@
 //! What a measurement ran on.
 
-use crate::results::Machine;
+use crate::{HarnessError, results::Machine};
 
 /// Processor, threads and operating system.
 pub fn describe(threads: usize) -> Machine {
-    Machine {
-        cpu: cpu(),
-        threads,
-        gpu: None,
-        os: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
-    }
+    Machine { cpu: cpu(), threads, gpu: None, os: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH) }
 }
 
 /// Threads that the machine runs at once.
@@ -22,4 +17,14 @@ fn cpu() -> String {
     text.lines()
         .find_map(|line| line.strip_prefix("model name")?.split_once(':').map(|(_, name)| name.trim().to_owned()))
         .unwrap_or_else(|| std::env::consts::ARCH.to_owned())
+}
+
+/// Does `work` on `count` threads, or on all.
+pub fn with_threads<T: Send>(count: Option<usize>, work: impl FnOnce() -> T + Send) -> Result<T, HarnessError> {
+    let count = count.unwrap_or_else(threads);
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(count)
+        .build()
+        .map_err(|error| HarnessError::input(format!("cannot start {count} threads: {error}")))?;
+    Ok(pool.install(work))
 }

@@ -49,7 +49,10 @@ impl Plan {
                         let error = |problem| experiment.error_at(spec.span().start, problem);
                         let key = Variant::parse(strategies, spec.get_ref()).map_err(error)?.key();
                         if variants.iter().all(|variant| variant.key() != key) {
-                            return Err(error(format!("`{}` is pictured but not among the strategies", spec.get_ref())));
+                            return Err(error(format!(
+                                "`{}` is pictured but not among the strategies",
+                                spec.get_ref()
+                            )));
                         }
                         Ok(key)
                     })
@@ -62,11 +65,14 @@ impl Plan {
             let scene = scene_source::resolve(entry.name.get_ref(), folder, entry.environment.as_deref())
                 .map_err(|error| experiment.error_at(entry.name.span().start, error.to_string()))?;
             if scenes.iter().any(|(other, _)| other.name == scene.name) {
-                return Err(experiment.error_at(entry.name.span().start, format!("scene `{}` is listed twice", scene.name)));
+                return Err(
+                    experiment.error_at(entry.name.span().start, format!("scene `{}` is listed twice", scene.name))
+                );
             }
             let mut frames = entry.frames.clone().unwrap_or_else(|| experiment.frames.clone());
             if let Some(past) = frames.iter().find(|frame| **frame >= scene.frame_count.max(1)) {
-                let problem = format!("scene `{}` has {} frames: there is no frame {past}", scene.name, scene.frame_count);
+                let problem =
+                    format!("scene `{}` has {} frames: there is no frame {past}", scene.name, scene.frame_count);
                 return Err(experiment.error_at(entry.name.span().start, problem));
             }
             if quick {
@@ -89,7 +95,11 @@ impl Plan {
             seed: u64::from(experiment.truth.seed),
         };
         let timing = experiment.timing.map(|timing| match quick {
-            true => TimingSettings { warm_up: 1, repeats: timing.repeats.min(std::num::NonZeroU32::MIN.saturating_add(2)), ..timing },
+            true => TimingSettings {
+                warm_up: 1,
+                repeats: timing.repeats.min(std::num::NonZeroU32::MIN.saturating_add(2)),
+                ..timing
+            },
             false => timing,
         });
         let shrink = if quick { 2 } else { 1 };
@@ -120,9 +130,12 @@ impl Plan {
         let mut kinds = Vec::new();
         for kind in &self.references[1..] {
             let concrete = match kind {
-                ReferenceKind::OwnBands => {
-                    self.variants.iter().filter_map(|v| NonZeroUsize::new(v.bands()?)).map(ReferenceKind::Bands).collect()
-                }
+                ReferenceKind::OwnBands => self
+                    .variants
+                    .iter()
+                    .filter_map(|v| NonZeroUsize::new(v.bands()?))
+                    .map(ReferenceKind::Bands)
+                    .collect(),
                 other => vec![*other],
             };
             for kind in concrete {

@@ -90,7 +90,8 @@ fn series(results: &Results, scene: &str, frame: usize, receivers: &str) -> Vec<
             .params
             .iter()
             .filter_map(|(key, value)| {
-                let varies = runs.iter().any(|other| other.strategy == run.strategy && other.params.get(key) != Some(value));
+                let varies =
+                    runs.iter().any(|other| other.strategy == run.strategy && other.params.get(key) != Some(value));
                 value.as_str().filter(|_| varies).map(str::to_owned)
             })
             .collect();
@@ -103,7 +104,8 @@ fn series(results: &Results, scene: &str, frame: usize, receivers: &str) -> Vec<
             })
             .map(|(_, value)| value.to_string())
             .collect();
-        let name = if words.is_empty() { run.strategy.clone() } else { format!("{} {}", run.strategy, words.join(" ")) };
+        let name =
+            if words.is_empty() { run.strategy.clone() } else { format!("{} {}", run.strategy, words.join(" ")) };
         let (Some(error), Some(truth), Some(time)) = (&run.error, &run.truth, &run.time) else { continue };
         let (m, scale) = (&error.metrics, truth.unshadowed_mean);
         if scale.is_nan() || scale <= 0.0 {
@@ -144,7 +146,12 @@ fn pareto_front(series: &[Series]) -> Vec<(f64, f64)> {
         series.iter().flat_map(|series| &series.points).map(|point| (point.frame_ms, point.error)).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
     let mut best = f64::INFINITY;
-    points.retain(|(_, error)| *error < best && { best = *error; true });
+    points.retain(|(_, error)| {
+        *error < best && {
+            best = *error;
+            true
+        }
+    });
     points
 }
 
@@ -195,9 +202,7 @@ fn draw<B: DrawingBackend>(
     for pair in pareto_front(series).windows(2) {
         stairs.extend([pair[0], (pair[1].0, pair[0].1), pair[1]]);
     }
-    chart
-        .draw_series(LineSeries::new(stairs, RGBColor(170, 170, 170).stroke_width(px(4))))
-        .map_err(text)?;
+    chart.draw_series(LineSeries::new(stairs, RGBColor(170, 170, 170).stroke_width(px(4)))).map_err(text)?;
 
     for series in series {
         let thin = series.color.stroke_width(scale);
@@ -206,16 +211,11 @@ fn draw<B: DrawingBackend>(
         for point in &series.points {
             let (x, y) = (point.frame_ms, point.error);
             let low = (x - point.frame_ms_mad).max(0.05 * x);
-            chart
-                .draw_series([PathElement::new(vec![(low, y), (x + point.frame_ms_mad, y)], thin)])
-                .map_err(text)?;
+            chart.draw_series([PathElement::new(vec![(low, y), (x + point.frame_ms_mad, y)], thin)]).map_err(text)?;
             let low = (y - point.error_noise).max(0.05 * y);
             chart.draw_series([PathElement::new(vec![(x, low), (x, y + point.error_noise)], thin)]).map_err(text)?;
-            for shape in mark(series.mark, series.color, point.resolved, scale) {
-                chart
-                    .draw_series([EmptyElement::at((x, y)) + shape])
-                    .map_err(text)?;
-            }
+            let (inside, outline) = mark(series.mark, series.color, point.resolved, scale);
+            chart.draw_series([EmptyElement::at((x, y)) + inside + outline]).map_err(text)?;
             if !point.numbers.is_empty() {
                 let style = (FAMILY, px(12)).into_font().color(&RGBColor(70, 70, 70));
                 let offset = (px(8) as i32, -(px(16) as i32));
@@ -237,9 +237,8 @@ fn legend<B: DrawingBackend>(area: &DrawingArea<B, Shift>, scale: u32, series: &
     for series in series {
         area.draw(&PathElement::new(vec![(px(4), y), (px(34), y)], series.color.mix(0.55).stroke_width(2 * scale)))
             .map_err(text)?;
-        for shape in mark(series.mark, series.color, true, scale) {
-            area.draw(&(EmptyElement::at((px(19), y)) + shape)).map_err(text)?;
-        }
+        let (inside, outline) = mark(series.mark, series.color, true, scale);
+        area.draw(&(EmptyElement::at((px(19), y)) + inside + outline)).map_err(text)?;
         area.draw(&Text::new(series.name.clone(), (px(44), y - px(8)), style())).map_err(text)?;
         y += px(24);
     }
@@ -255,8 +254,8 @@ fn legend<B: DrawingBackend>(area: &DrawingArea<B, Shift>, scale: u32, series: &
     Ok(())
 }
 
-/// A mark about the origin of pixels, as polygons: circle, square, triangle, diamond, triangle upside down.
-fn mark(number: usize, color: RGBColor, filled: bool, scale: u32) -> Vec<Polygonal> {
+/// A mark about the origin of pixels, as a polygon and its outline: circle, square, triangle, diamond, triangle upside down.
+fn mark(number: usize, color: RGBColor, filled: bool, scale: u32) -> (Polygon<(i32, i32)>, PathElement<(i32, i32)>) {
     let r = f64::from(5 * scale);
     let (corners, turn, radius) = match number % 5 {
         0 => (24, 0.0, r),
@@ -272,42 +271,7 @@ fn mark(number: usize, color: RGBColor, filled: bool, scale: u32) -> Vec<Polygon
         })
         .collect();
     let inside = if filled { color } else { WHITE };
-    vec![
-        Polygonal::Filled(Polygon::new(points.clone(), inside.filled())),
-        Polygonal::Outline(PathElement::new(points, color.stroke_width(scale))),
-    ]
-}
-
-/// A filled polygon or its outline, drawn alike.
-enum Polygonal {
-    Filled(Polygon<(i32, i32)>),
-    Outline(PathElement<(i32, i32)>),
-}
-
-impl<'a> plotters::element::PointCollection<'a, (i32, i32)> for &'a Polygonal {
-    type Point = &'a (i32, i32);
-    type IntoIter = std::vec::IntoIter<&'a (i32, i32)>;
-
-    fn point_iter(self) -> Self::IntoIter {
-        match self {
-            Polygonal::Filled(polygon) => polygon.point_iter().iter().collect::<Vec<_>>().into_iter(),
-            Polygonal::Outline(path) => path.point_iter().iter().collect::<Vec<_>>().into_iter(),
-        }
-    }
-}
-
-impl<B: DrawingBackend> plotters::element::Drawable<B> for Polygonal {
-    fn draw<I: Iterator<Item = (i32, i32)>>(
-        &self,
-        points: I,
-        backend: &mut B,
-        size: (u32, u32),
-    ) -> Result<(), DrawingErrorKind<B::ErrorType>> {
-        match self {
-            Self::Filled(polygon) => polygon.draw(points, backend, size),
-            Self::Outline(path) => path.draw(points, backend, size),
-        }
-    }
+    (Polygon::new(points.clone(), inside.filled()), PathElement::new(points, color.stroke_width(scale)))
 }
 
 /// A tick's label without needless digits.

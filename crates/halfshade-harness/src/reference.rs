@@ -93,9 +93,11 @@ fn key(frame: &Frame<'_>, receivers: Receivers<'_>, options: &Options) -> CacheK
         .bytes(format!("{:?} {:?}", options.geometry, options.transport).as_bytes())
         .value(&frame.world_from_environment);
     for (object, pose) in frame.scene.objects.iter().zip(&frame.world_from_object) {
-        key = key
-            .value(&(&object.mesh.positions, &object.mesh.triangles))
-            .value(&(pose.scale, pose.rotation, pose.translation));
+        key = key.value(&(&object.mesh.positions, &object.mesh.triangles)).value(&(
+            pose.scale,
+            pose.rotation,
+            pose.translation,
+        ));
         for sphere in object.spheres.iter().flat_map(|set| &set.spheres) {
             key = key.value(&(sphere.center, sphere.radius));
         }

@@ -100,7 +100,8 @@ pub fn report(results: &Results, format: Format) -> String {
                 }
                 page += "<div class=\"pictures\">\n";
                 for files in results.pictures.iter().filter(|files| files.scene == scene && files.frame == frame) {
-                    let error = files.error_png.as_ref().map(|path| format!("<img src=\"{}\" alt=\"error\">", escape(path)));
+                    let error =
+                        files.error_png.as_ref().map(|path| format!("<img src=\"{}\" alt=\"error\">", escape(path)));
                     page += &format!(
                         "<figure><img src=\"{}\" alt=\"{1}\">{2}<figcaption>{1}</figcaption></figure>\n",
                         escape(&files.png),
@@ -120,7 +121,8 @@ fn pictures_markdown(results: &Results, scene: &str, frame: usize) -> String {
     if files.is_empty() {
         return String::new();
     }
-    let mut text = String::from("\n| strategy | picture | error (blue: too dark, vermilion: too bright) |\n| --- | --- | --- |\n");
+    let mut text =
+        String::from("\n| strategy | picture | error (blue: too dark, vermilion: too bright) |\n| --- | --- | --- |\n");
     for files in files {
         let error = files.error_png.as_ref().map(|path| format!("![error]({path})")).unwrap_or_default();
         text += &format!("| {0} | ![{0}]({1}) | {error} |\n", files.label.replace('|', "\\|"), files.png);

@@ -70,10 +70,6 @@ pub fn run(experiment: &Experiment, tools: &Tools<'_>, options: &RunOptions) -> 
     let plan = Plan::new(experiment, tools.strategies, options.quick)?;
     let timing_threads = plan.timing.and_then(|timing| timing.threads).map(|threads| threads.get());
     let threads = options.threads.or(timing_threads).unwrap_or_else(machine::threads);
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|error| HarnessError::input(format!("cannot start {threads} threads: {error}")))?;
     let mut results = Results {
         schema: SCHEMA.into(),
         experiment: experiment.name.clone(),
@@ -114,7 +110,7 @@ pub fn run(experiment: &Experiment, tools: &Tools<'_>, options: &RunOptions) -> 
     let truth_folder = options.out.as_ref().map(|out| out.join("truth"));
     let truth_cache = truth_folder.clone().map_or_else(Cache::disabled, |folder| Cache::open(Some(folder)));
     let mut session = Session { tools, plan: &plan, options, threads, journal, known, truth_cache };
-    pool.install(|| {
+    machine::with_threads(Some(threads), || {
         for (number, (scene, frames)) in plan.scenes.iter().enumerate() {
             let mut scene = scene.clone();
             for note in scene.build_spheres(tools.cache, tools.progress)? {
@@ -135,7 +131,7 @@ pub fn run(experiment: &Experiment, tools: &Tools<'_>, options: &RunOptions) -> 
             }
         }
         Ok::<(), HarnessError>(())
-    })?;
+    })??;
     if let Some(out) = &options.out {
         crate::report::write_all(&results, out)?;
         if let Some(journal) = session.journal.take() {
@@ -214,7 +210,8 @@ impl Session<'_> {
         };
         drop(tracer);
         if receivers.is_empty() {
-            let problem = format!("scene `{}`, frame {index}: no {kind} to score; does the camera see anything?", scene.name);
+            let problem =
+                format!("scene `{}`, frame {index}: no {kind} to score; does the camera see anything?", scene.name);
             return Err(HarnessError::input(problem));
         }
         let blank = |variant: &Variant| Run {
@@ -264,7 +261,14 @@ impl Session<'_> {
                 let picture = projection.picture(radiance, Vec3::ZERO);
                 let truth = projection.picture(&references[0].1.radiance, Vec3::ZERO);
                 let ssim = ssim(&picture, &truth, exposure);
-                let files = self.write_pictures(scene, index, &variant.label, &picture, Some((&truth, &references[0].1)), exposure)?;
+                let files = self.write_pictures(
+                    scene,
+                    index,
+                    &variant.label,
+                    &picture,
+                    Some((&truth, &references[0].1)),
+                    exposure,
+                )?;
                 self.append(Entry::Pictured { key: Some(key.clone()), files: files.clone(), ssim })?;
                 self.known.pictured.insert(key.clone(), (files, ssim));
             }
@@ -274,9 +278,13 @@ impl Session<'_> {
         }
         self.time(scene, &frame, &receivers, &mut ready)?;
 
-        results.pictures.extend(self.known.truths.iter().filter(|files| {
-            files.scene == scene.name && files.frame == index && projection.is_some()
-        }).cloned());
+        results.pictures.extend(
+            self.known
+                .truths
+                .iter()
+                .filter(|files| files.scene == scene.name && files.frame == index && projection.is_some())
+                .cloned(),
+        );
         for variant in &self.plan.variants {
             let key = blank(variant).key();
             let picture = self.known.pictured.get(&key);

@@ -1,1 +1,7 @@
-fn main() {}
+//! The `halfshade` command.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    halfshade::main(std::env::args_os())
+}

@@ -152,7 +152,11 @@ mod tests {
     pub(super) fn small() -> Table {
         Table {
             title: "A & B".into(),
-            columns: vec![Column::plain("method"), Column::ranked("error", Better::Lower), Column::ranked("fps", Better::Higher)],
+            columns: vec![
+                Column::plain("method"),
+                Column::ranked("error", Better::Lower),
+                Column::ranked("fps", Better::Higher),
+            ],
             rows: vec![
                 vec![Cell::text("a_1"), Cell::number("0.5", 0.5), Cell::number("10", 10.0)],
                 vec![Cell::text("b|2"), Cell::number("0.1", 0.1), Cell::number("20", 20.0)],
@@ -189,7 +193,10 @@ mod tests {
     #[test]
     fn html_escapes_and_csv_quotes() {
         let html = small().write(Format::Html, "");
-        assert!(html.contains("<td>c&lt;3</td>") && html.contains("<b>0.1</b>") && html.contains("<u>0.5</u>"), "{html}");
+        assert!(
+            html.contains("<td>c&lt;3</td>") && html.contains("<b>0.1</b>") && html.contains("<u>0.5</u>"),
+            "{html}"
+        );
         let mut table = small();
         table.rows[0][0].text = "a,\"1\"".into();
         let csv = table.write(Format::Csv, "");

@@ -298,11 +298,10 @@ mod tests {
         run.error.as_mut().unwrap().metrics.rel_rmse = Some(0.125);
         results.runs.push(run);
         let table = error_split(&results, "vases", 0, "vertices").unwrap();
-        assert_eq!(table.rows[0].iter().map(|cell| cell.text.as_str()).collect::<Vec<_>>(), [
-            "fast:bands=4",
-            "0.200",
-            "0.125"
-        ]);
+        assert_eq!(
+            table.rows[0].iter().map(|cell| cell.text.as_str()).collect::<Vec<_>>(),
+            ["fast:bands=4", "0.200", "0.125"]
+        );
     }
 
     #[test]

@@ -1,0 +1,121 @@
+//! The environment as so many bands of spherical harmonics see it.
+
+use glam::Vec3;
+use halfshade_scene::{
+    Environment,
+    light::{DistantLight, EnvironmentMap},
+};
+use halfshade_sh::{basis, zonal};
+
+/// Size of the map that a band-limited environment is tabulated on: what it varies within a texel at 8 bands is below
+/// 1 % of its amplitude, and averages out.
+const WIDTH: usize = 256;
+const HEIGHT: usize = 128;
+
+/// Points per texel and axis in the projection of a map.
+const SUBDIVISIONS: usize = 2;
+
+/// The projection of `environment` onto `bands` bands, sun included, as a map. Its radiance may be negative: that is the
+/// ringing of so few bands.
+///
+/// `c_i = ∫ L(ω) y_i(ω) dω`: over the texels of a map by the midpoint rule on 2 by 2 points each (weighted so that each
+/// texel keeps its exact solid angle), over the sun in closed form.
+pub fn band_limit(environment: &Environment, bands: usize) -> Environment {
+    let count = basis::coefficient_count(bands);
+    let mut coefficients = vec![[0.0f64; 3]; count];
+    let mut values = vec![0.0; count];
+    match &environment.base {
+        DistantLight::Constant(radiance) => {
+            for (c, value) in coefficients[0].iter_mut().zip(radiance.to_array()) {
+                *c = f64::from(value) * (4.0 * std::f64::consts::PI).sqrt();
+            }
+        }
+        DistantLight::Map(map) => {
+            let (width, height) = (map.width(), map.height());
+            for row in 0..height {
+                let weight = map.texel_solid_angle(row) / (SUBDIVISIONS * SUBDIVISIONS) as f64;
+                for column in 0..width {
+                    let radiance = map.texels()[row * width + column].as_dvec3().to_array();
+                    for part in 0..SUBDIVISIONS * SUBDIVISIONS {
+                        let within = |i: usize| (i as f32 + 0.5) / SUBDIVISIONS as f32;
+                        let u = (column as f32 + within(part % SUBDIVISIONS)) / width as f32;
+                        let v = (row as f32 + within(part / SUBDIVISIONS)) / height as f32;
+                        basis::evaluate_into(bands, direction(map, u, v), &mut values);
+                        for (c, y) in coefficients.iter_mut().zip(&values) {
+                            for (c, radiance) in c.iter_mut().zip(radiance) {
+                                *c += radiance * y * weight;
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+    if let Some(sun) = &environment.sun {
+        let cap = zonal::cap(bands, f64::from(sun.angular_radius).cos());
+        let turned = zonal::rotate_to_axis(&cap, sun.direction.as_dvec3().normalize_or(glam::DVec3::Y).to_array());
+        for (c, value) in coefficients.iter_mut().zip(turned) {
+            for (c, radiance) in c.iter_mut().zip(sun.radiance.as_dvec3().to_array()) {
+                *c += radiance * value;
+            }
+        }
+    }
+    let Some(blank) = EnvironmentMap::new(WIDTH, HEIGHT, vec![Vec3::ZERO; WIDTH * HEIGHT]) else {
+        return environment.clone();
+    };
+    let texels = (0..WIDTH * HEIGHT).map(|i| {
+        let u = ((i % WIDTH) as f32 + 0.5) / WIDTH as f32;
+        let v = ((i / WIDTH) as f32 + 0.5) / HEIGHT as f32;
+        basis::evaluate_into(bands, direction(&blank, u, v), &mut values);
+        let channel =
+            |channel: usize| coefficients.iter().zip(&values).map(|(c, y)| c[channel] * y).sum::<f64>() as f32;
+        Vec3::new(channel(0), channel(1), channel(2))
+    });
+    EnvironmentMap::new(WIDTH, HEIGHT, texels.collect()).map_or_else(|| environment.clone(), Environment::map)
+}
+
+fn direction(map: &EnvironmentMap, u: f32, v: f32) -> [f64; 3] {
+    map.direction_at(u, v).as_dvec3().normalize_or(glam::DVec3::Y).to_array()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use halfshade_scene::light::Sun;
+
+    #[test]
+    fn what_has_few_bands_already_stays() {
+        // 1 + y/2 has two bands.
+        let texels = (0..WIDTH * HEIGHT).map(|i| {
+            let v = ((i / WIDTH) as f32 + 0.5) / HEIGHT as f32;
+            Vec3::new(1.0, 2.0, 0.0) * (1.0 + 0.5 * (std::f32::consts::PI * v).cos())
+        });
+        let map = Environment::map(EnvironmentMap::new(WIDTH, HEIGHT, texels.collect()).unwrap());
+        let limited = band_limit(&map, 4);
+        for direction in [Vec3::Y, Vec3::X, Vec3::NEG_Y, Vec3::new(0.6, 0.0, 0.8), Vec3::new(0.48, 0.6, -0.64)] {
+            let difference = limited.radiance(direction) - map.radiance(direction);
+            assert!(difference.abs().max_element() < 2e-3, "{direction}: {difference}");
+        }
+    }
+
+    #[test]
+    fn one_band_is_the_mean_over_the_sphere_sun_included() {
+        let sun = Sun { direction: Vec3::new(0.6, 0.8, 0.0), angular_radius: 0.1, radiance: Vec3::splat(1000.0) };
+        let environment = Environment { sun: Some(sun), ..Environment::constant(Vec3::splat(0.25)) };
+        let mean = 0.25 + 1000.0 * 0.5 * (1.0 - 0.1f32.cos());
+        let limited = band_limit(&environment, 1);
+        assert!(limited.sun.is_none());
+        assert!((limited.radiance(Vec3::X) - Vec3::splat(mean)).abs().max_element() < 1e-4 * mean);
+    }
+
+    #[test]
+    fn few_bands_ring_below_zero_opposite_a_sun() {
+        let sun = Sun { direction: Vec3::Y, angular_radius: 0.1, radiance: Vec3::ONE };
+        let limited = band_limit(&Environment { sun: Some(sun), ..Environment::constant(Vec3::ZERO) }, 4);
+        // Bands 0 to 3 of a delta at angle π: Σ(2l+1)(-1)^l/(4π)·Ω = -4/(4π)·Ω.
+        let solid_angle = std::f32::consts::TAU * (1.0 - 0.1f32.cos());
+        let expected = -4.0 / (4.0 * std::f32::consts::PI) * solid_angle;
+        let found = limited.radiance(Vec3::NEG_Y).x;
+        assert!((found / expected - 1.0).abs() < 0.03, "{found} {expected}");
+    }
+}

@@ -1,0 +1,219 @@
+//! The arguments: a contract, extended but not broken.
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::{num::NonZeroUsize, path::PathBuf};
+
+/// Compares real-time methods for soft shadows: error and time of every strategy against ray-traced truth.
+#[derive(Debug, Parser)]
+#[command(name = "halfshade", version, arg_required_else_help = true)]
+pub struct Cli {
+    /// Keep baked data in this folder instead of the platform's cache (or set HALFSHADE_CACHE).
+    #[arg(long, global = true, value_name = "DIR")]
+    pub cache: Option<PathBuf>,
+    /// Use this many threads instead of all.
+    #[arg(long, global = true, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run an experiment: score, time and picture every strategy on every scene.
+    Run(RunArguments),
+    /// Draw one picture of a scene with one strategy.
+    Render(RenderArguments),
+    /// Trace the truth alone, with its standard error as a layer.
+    Truth(TruthArguments),
+    /// Build a sphere set for a mesh and print how well it fits.
+    Spheres(SpheresArguments),
+    /// List strategies or scenes, with every parameter, default and range.
+    List(ListArguments),
+    /// Compare an experiment's errors with a baseline: exit status 1 where one grew beyond noise.
+    Check(CheckArguments),
+    /// Write tables and plots from stored results.
+    Report(ReportArguments),
+}
+
+/// Arguments of `run`.
+#[derive(Debug, Args)]
+pub struct RunArguments {
+    /// The experiment file.
+    pub experiment: PathBuf,
+    /// Where results go [default: out/NAME].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Fewer samples, one frame per scene, three timed rounds: to see whether it works, not for publication.
+    #[arg(long)]
+    pub quick: bool,
+    /// Go on with a run that was interrupted.
+    #[arg(long)]
+    pub resume: bool,
+}
+
+/// A scene, and light for it where it is a mesh.
+#[derive(Debug, Args)]
+pub struct SceneArguments {
+    /// A scene file, a built-in name, or a mesh file (which stands on a ground plane).
+    pub scene: String,
+    /// Light of a mesh file: `sky`, `constant`, or an image (.hdr, .exr) [default: sky].
+    #[arg(long, value_name = "LIGHT")]
+    pub env: Option<String>,
+    /// Frame of the animation.
+    #[arg(long, default_value_t = 0)]
+    pub frame: usize,
+    /// Width and height, such as 640x480 [default: the scene's camera's].
+    #[arg(long, value_name = "WxH", value_parser = resolution)]
+    pub resolution: Option<[u32; 2]>,
+    /// Radiance where nothing is hit: one number, or red,green,blue [default: 0].
+    #[arg(long, value_name = "RADIANCE", value_parser = color)]
+    pub background: Option<[f32; 3]>,
+    /// Exposure of a PNG, in stops around the automatic one.
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    pub exposure: f32,
+}
+
+/// Arguments of `render`.
+#[derive(Debug, Args)]
+pub struct RenderArguments {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// The strategy, as `name` or `name:key=value,key=value`.
+    #[arg(long, value_name = "SPEC")]
+    pub strategy: String,
+    /// Shade the pixels themselves, or the vertices and interpolate.
+    #[arg(long, value_enum, default_value_t = ReceiverChoice::Pixels)]
+    pub receivers: ReceiverChoice,
+    /// The picture, .exr or .png [default: SCENE.exr].
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
+
+/// Which points are shaded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ReceiverChoice {
+    /// One point per pixel.
+    Pixels,
+    /// Every vertex.
+    Vertices,
+}
+
+/// Arguments of `truth`.
+#[derive(Debug, Args)]
+pub struct TruthArguments {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// Samples per pixel and kind of light.
+    #[arg(long, default_value_t = NonZeroUsize::MIN.saturating_add(255))]
+    pub samples: NonZeroUsize,
+    /// Where the samples start from.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// The picture, .exr (result and layer `stderr`) or .png [default: SCENE-truth.exr].
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
+
+/// Arguments of `spheres`.
+#[derive(Debug, Args)]
+pub struct SpheresArguments {
+    /// The mesh file: .obj, .ply, .gltf, .glb.
+    pub mesh: PathBuf,
+    /// How many spheres.
+    #[arg(short = 'n', long, value_name = "COUNT")]
+    pub count: NonZeroUsize,
+    /// Write the set as JSON.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
+
+/// Arguments of `list`.
+#[derive(Debug, Args)]
+pub struct ListArguments {
+    /// Of what.
+    #[arg(value_enum)]
+    pub what: ListChoice,
+    /// For programs.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What can be listed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ListChoice {
+    /// The strategies.
+    Strategies,
+    /// The built-in scenes.
+    Scenes,
+}
+
+/// Arguments of `check`.
+#[derive(Debug, Args)]
+pub struct CheckArguments {
+    /// The experiment file.
+    pub experiment: PathBuf,
+    /// A `results.json` to compare with.
+    #[arg(long, value_name = "FILE")]
+    pub baseline: PathBuf,
+}
+
+/// Arguments of `report`.
+#[derive(Debug, Args)]
+pub struct ReportArguments {
+    /// The folder of the results.
+    pub folder: PathBuf,
+    /// In which format.
+    #[arg(long, value_enum, default_value_t = FormatChoice::Md)]
+    pub format: FormatChoice,
+}
+
+/// Formats of reports.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum FormatChoice {
+    /// Markdown.
+    Md,
+    /// Every number of every run.
+    Csv,
+    /// LaTeX tables with booktabs.
+    Latex,
+    /// One page.
+    Html,
+}
+
+fn resolution(text: &str) -> Result<[u32; 2], String> {
+    const LARGEST: u32 = 16_384;
+    let parse = |text: &str| text.parse().ok().filter(|n| (1..=LARGEST).contains(n));
+    text.split_once(['x', 'X'])
+        .and_then(|(width, height)| Some([parse(width)?, parse(height)?]))
+        .ok_or_else(|| format!("expected WIDTHxHEIGHT such as 640x480, each from 1 to {LARGEST}"))
+}
+
+fn color(text: &str) -> Result<[f32; 3], String> {
+    let numbers: Option<Vec<f32>> =
+        text.split(',').map(|part| part.trim().parse().ok().filter(|x: &f32| x.is_finite() && *x >= 0.0)).collect();
+    match numbers.as_deref() {
+        Some([grey]) => Ok([*grey; 3]),
+        Some(&[r, g, b]) => Ok([r, g, b]),
+        _ => Err("expected one number or three with commas, finite and not negative".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_arguments_are_consistent() {
+        use clap::CommandFactory;
+        Cli::command().debug_assert();
+        assert_eq!(resolution("640x480"), Ok([640, 480]));
+        assert!(resolution("0x480").is_err() && resolution("640").is_err() && resolution("99999x1").is_err());
+        assert_eq!(color("0.5"), Ok([0.5; 3]));
+        assert_eq!(color("1, 2,3"), Ok([1.0, 2.0, 3.0]));
+        assert!(color("nan").is_err() && color("1,2").is_err() && color("-1").is_err());
+    }
+}

@@ -1,0 +1,31 @@
+//! `halfshade check`: has an error grown?
+
+use super::{Context, Failure};
+use crate::{cli::CheckArguments, terminal};
+use halfshade_harness::{Experiment, Results, check::compare, run::RunOptions, table::Format};
+use std::process::ExitCode;
+
+pub(super) fn check(context: &Context, arguments: &CheckArguments) -> Result<ExitCode, Failure> {
+    let experiment = Experiment::load(&arguments.experiment)?;
+    let baseline = Results::load(&arguments.baseline)?;
+    if baseline.experiment != experiment.name {
+        return Err(Failure::Error(format!(
+            "{}: the baseline is of experiment `{}`, not `{}`",
+            arguments.baseline.display(),
+            baseline.experiment,
+            experiment.name
+        )));
+    }
+    let options = RunOptions { threads: context.threads, quick: baseline.quick, ..RunOptions::default() };
+    let results = context.with_tools(|tools| halfshade_harness::run::run(&experiment, tools, &options))?;
+    if results.experiment_hash != baseline.experiment_hash {
+        context.bars.note("the experiment file has changed since the baseline was made");
+    }
+    let comparison = compare(&results, &baseline)?;
+    if !comparison.moved.rows.is_empty() {
+        terminal::data(&comparison.moved.write(Format::Markdown, ""))?;
+    }
+    let verdict = format!("{} errors compared, {} failed", comparison.compared, comparison.failures);
+    terminal::data(&format!("{verdict}\n"))?;
+    Ok(if comparison.failures == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}

@@ -1,0 +1,130 @@
+//! One file per command.
+
+mod check;
+mod list;
+mod render;
+mod report;
+mod run;
+mod spheres;
+mod truth;
+
+use crate::{
+    band_limit,
+    cli::{Cli, Command, SceneArguments},
+    revision, strategies,
+    terminal::Bars,
+};
+use glam::Vec3;
+use halfshade_harness::{HarnessError, Picture, SystemClock, run::Tools, scene_source};
+use halfshade_scene::{Camera, Scene, SceneError, cache::Cache};
+use halfshade_strategy::Strategy;
+use std::{
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
+
+/// Why a command ended early.
+#[derive(Debug)]
+pub(crate) enum Failure {
+    /// Bad usage or input.
+    Error(String),
+    /// Nobody reads the output any more.
+    ClosedPipe,
+}
+
+impl From<HarnessError> for Failure {
+    fn from(error: HarnessError) -> Self {
+        Self::Error(error.to_string())
+    }
+}
+
+impl From<SceneError> for Failure {
+    fn from(error: SceneError) -> Self {
+        Self::Error(error.to_string())
+    }
+}
+
+/// What commands share.
+pub(crate) struct Context {
+    cache: Cache,
+    threads: Option<usize>,
+    bars: Bars,
+    clock: SystemClock,
+    strategies: Vec<Box<dyn Strategy>>,
+    revision: String,
+}
+
+impl Context {
+    /// Calls `work` with what the harness needs.
+    fn with_tools<T>(&self, work: impl FnOnce(&Tools<'_>) -> T) -> T {
+        work(&Tools {
+            strategies: &self.strategies,
+            band_limit: &band_limit,
+            cache: &self.cache,
+            progress: &self.bars,
+            clock: &self.clock,
+            note: &|text| self.bars.note(text),
+            revision: &self.revision,
+        })
+    }
+
+    /// The scene with its sphere sets built.
+    fn built_scene(&self, arguments: &SceneArguments) -> Result<Scene, Failure> {
+        let mut scene = scene_source::resolve(&arguments.scene, Path::new(""), arguments.env.as_deref())?;
+        if arguments.frame >= scene.frame_count.max(1) {
+            let problem = format!(
+                "scene `{}` has {} frames: there is no frame {}",
+                scene.name, scene.frame_count, arguments.frame
+            );
+            return Err(Failure::Error(problem));
+        }
+        for note in scene.build_spheres(&self.cache, &self.bars)? {
+            self.bars.note(&note);
+        }
+        scene.camera = camera(&scene, arguments);
+        Ok(scene)
+    }
+}
+
+fn camera(scene: &Scene, arguments: &SceneArguments) -> Camera {
+    Camera { resolution: arguments.resolution.unwrap_or(scene.camera.resolution), ..scene.camera }
+}
+
+fn background(arguments: &SceneArguments) -> Vec3 {
+    arguments.background.map_or(Vec3::ZERO, Vec3::from)
+}
+
+fn exposure(picture: &Picture, arguments: &SceneArguments) -> f32 {
+    picture.exposure() * arguments.exposure.exp2()
+}
+
+/// A file named after the scene, in the current folder.
+fn default_output(arguments: &SceneArguments, suffix: &str) -> PathBuf {
+    let stem = Path::new(&arguments.scene).file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    PathBuf::from(format!("{stem}{suffix}"))
+}
+
+/// Does what was asked.
+pub(crate) fn dispatch(cli: Cli) -> Result<ExitCode, Failure> {
+    let context = Context {
+        cache: Cache::open(cli.cache),
+        threads: cli.threads.map(|threads| threads.get()),
+        bars: Bars::new(),
+        clock: SystemClock::start(),
+        strategies: strategies(),
+        revision: revision(),
+    };
+    match cli.command {
+        Command::Run(arguments) => run::run(&context, &arguments),
+        Command::Check(arguments) => check::check(&context, &arguments),
+        Command::List(arguments) => list::list(&context, &arguments),
+        Command::Report(arguments) => report::report(&arguments),
+        Command::Render(arguments) => on_threads(&context, || render::render(&context, &arguments)),
+        Command::Truth(arguments) => on_threads(&context, || truth::truth(&context, &arguments)),
+        Command::Spheres(arguments) => on_threads(&context, || spheres::spheres(&context, &arguments)),
+    }
+}
+
+fn on_threads<T: Send>(context: &Context, work: impl FnOnce() -> Result<T, Failure> + Send) -> Result<T, Failure> {
+    halfshade_harness::machine::with_threads(context.threads, work)?
+}

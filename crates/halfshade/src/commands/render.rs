@@ -1,0 +1,49 @@
+//! `halfshade render`: one picture.
+
+use super::{Context, Failure, background, default_output, exposure};
+use crate::cli::{ReceiverChoice, RenderArguments};
+use halfshade_harness::{
+    Variant,
+    image_io::{check_extension, write_picture},
+    output::check_writable,
+    projection::Projection,
+    shading::{count_not_finite, shade_all},
+};
+use halfshade_scene::{RadianceBuffer, ReceiverBuffer};
+use halfshade_strategy::Effects;
+use halfshade_truth::Tracer;
+use std::process::ExitCode;
+
+pub(super) fn render(context: &Context, arguments: &RenderArguments) -> Result<ExitCode, Failure> {
+    let variant = Variant::parse(&context.strategies, &arguments.strategy).map_err(Failure::Error)?;
+    let output = arguments.output.clone().unwrap_or_else(|| default_output(&arguments.scene, ".exr"));
+    check_extension(&output)?;
+    check_writable(&output)?;
+    let scene = context.built_scene(&arguments.scene)?;
+    let strategy = &context.strategies[variant.strategy];
+    let missing = strategy.info().effects.missing(Effects::required_by(&scene));
+    if !missing.is_empty() {
+        return Err(Failure::Error(format!("`{}` can't model {missing}, which the scene requires", variant.name)));
+    }
+    let frame = scene.frame(arguments.scene.frame);
+    let tracer = Tracer::new(&frame);
+    let (receivers, projection) = match arguments.receivers {
+        ReceiverChoice::Pixels => Projection::of_pixels(&tracer, &frame, &scene.camera),
+        ReceiverChoice::Vertices => {
+            (ReceiverBuffer::vertices(&frame), Projection::of_vertices(&tracer, &frame, &scene.camera))
+        }
+    };
+    let failed = |error: halfshade_strategy::StrategyError| Failure::Error(format!("`{}`: {error}", variant.label));
+    let mut baked = strategy.bake(&scene, &variant.params, &context.bars).map_err(failed)?;
+    baked.prepare(&frame).map_err(failed)?;
+    let mut radiance = RadianceBuffer::zeros(receivers.len());
+    shade_all(baked.as_ref(), receivers.view(), &mut radiance);
+    let broken = count_not_finite(&radiance);
+    if broken > 0 {
+        return Err(Failure::Error(format!("`{}`: {broken} values are not finite", variant.label)));
+    }
+    let picture = projection.picture(&radiance, background(&arguments.scene));
+    write_picture(&output, &[("", &picture)], exposure(&picture, &arguments.scene))?;
+    context.bars.note(&format!("wrote {}", output.display()));
+    Ok(ExitCode::SUCCESS)
+}

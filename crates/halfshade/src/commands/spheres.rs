@@ -1,0 +1,59 @@
+//! `halfshade spheres`: a sphere set, and how well it fits.
+
+use super::{Context, Failure};
+use crate::{cli::SpheresArguments, terminal};
+use halfshade_harness::{
+    clock::time_secs,
+    output::{check_writable, write_atomically},
+    scene_source,
+    sphere_fit::ground_shadow_error,
+};
+use halfshade_scene::{SphereSet, spheres::BuildOptions};
+use serde_json::json;
+use std::{process::ExitCode, sync::Arc};
+
+pub(super) fn spheres(context: &Context, arguments: &SpheresArguments) -> Result<ExitCode, Failure> {
+    if let Some(output) = &arguments.output {
+        check_writable(output)?;
+    }
+    let (mesh, notes) = scene_source::load_mesh(&arguments.mesh)?;
+    let mesh = Arc::new(mesh);
+    // Not cached: its time is part of the answer.
+    let (seconds, set) = time_secs(&context.clock, || {
+        SphereSet::build(&mesh, arguments.count.get(), &BuildOptions::default(), &context.bars)
+    });
+    let set = set.map_err(|error| error.in_file(&arguments.mesh))?;
+    let shadow = ground_shadow_error(&mesh, &set, &context.bars);
+    for note in notes.iter().chain(&set.notes) {
+        context.bars.note(&format!("{}: {note}", arguments.mesh.display()));
+    }
+    if let Some(output) = &arguments.output {
+        let spheres: Vec<_> = set
+            .spheres
+            .iter()
+            .map(|sphere| json!({ "center": sphere.center.to_array(), "radius": sphere.radius }))
+            .collect();
+        let value = json!({
+            "mesh": arguments.mesh.display().to_string(),
+            "outside_volume_fraction": set.outside_volume_fraction,
+            "outside_volume_error": set.outside_volume_error,
+            "bounding_violation": set.bounding_violation,
+            "growth": set.growth,
+            "ground_shadow_error": shadow,
+            "seconds": seconds,
+            "spheres": spheres,
+        });
+        write_atomically(output, format!("{value:#}\n").as_bytes())?;
+    }
+    terminal::data(&format!(
+        "spheres: {}\noutside_volume_fraction: {:.4} ± {:.4}\nbounding_violation: {}\ngrowth: {:.2e}\n\
+         ground_shadow_error: {}\nseconds: {seconds:.2}\n",
+        set.spheres.len(),
+        set.outside_volume_fraction,
+        set.outside_volume_error,
+        set.bounding_violation,
+        set.growth,
+        shadow.map_or_else(|| "none".to_owned(), |error| format!("{error:.4}")),
+    ))?;
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,40 @@
+//! `halfshade truth`: the truth alone, with its standard error.
+
+use super::{Context, Failure, background, default_output, exposure};
+use crate::{cli::TruthArguments, terminal};
+use glam::Vec3;
+use halfshade_harness::{
+    image_io::{check_extension, write_picture},
+    output::check_writable,
+    projection::Projection,
+};
+use halfshade_truth::{MAX_SAMPLES, Options, Tracer, estimate};
+use std::process::ExitCode;
+
+pub(super) fn truth(context: &Context, arguments: &TruthArguments) -> Result<ExitCode, Failure> {
+    if arguments.samples.get() > MAX_SAMPLES {
+        return Err(Failure::Error(format!("--samples {}: at most {MAX_SAMPLES}", arguments.samples)));
+    }
+    let output = arguments.output.clone().unwrap_or_else(|| default_output(&arguments.scene, "-truth.exr"));
+    check_extension(&output)?;
+    check_writable(&output)?;
+    let scene = context.built_scene(&arguments.scene)?;
+    let frame = scene.frame(arguments.scene.frame);
+    let tracer = Tracer::new(&frame);
+    let (receivers, projection) = Projection::of_pixels(&tracer, &frame, &scene.camera);
+    let options = Options { samples: arguments.samples.get(), seed: arguments.seed, ..Options::default() };
+    let found = estimate(&tracer, receivers.view(), &options, &context.bars);
+    let picture = projection.picture(&found.radiance, background(&arguments.scene));
+    let stderr = projection.picture(&found.standard_error, Vec3::ZERO);
+    let exposure = exposure(&picture, &arguments.scene);
+    write_picture(&output, &[("", &picture), ("stderr", &stderr)], exposure)?;
+    terminal::data(&format!(
+        "receivers: {}\nsamples: {}\nrms_standard_error: {:.3e}\nunshadowed_mean: {:.6}\n",
+        receivers.len(),
+        found.samples,
+        found.rms_standard_error,
+        found.unshadowed_mean
+    ))?;
+    context.bars.note(&format!("wrote {}", output.display()));
+    Ok(ExitCode::SUCCESS)
+}

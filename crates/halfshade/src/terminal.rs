@@ -1,0 +1,74 @@
+//! Data to stdout, human text to stderr, bars and colours on a terminal only.
+
+use crate::commands::Failure;
+use halfshade_scene::Progress;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::{
+    io::{IsTerminal, Write},
+    sync::Mutex,
+};
+
+/// Prints `error: message` to stderr.
+pub(crate) fn error(message: &str) {
+    let mut stderr = std::io::stderr();
+    let colored = stderr.is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
+    let head = if colored { "\x1b[1;31merror:\x1b[0m" } else { "error:" };
+    let _ = writeln!(stderr, "{head} {message}");
+}
+
+/// Prints to stdout.
+pub(crate) fn data(text: &str) -> Result<(), Failure> {
+    let mut stdout = std::io::stdout().lock();
+    stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()).map_err(|error| match error.kind() {
+        // Whoever reads has read enough.
+        std::io::ErrorKind::BrokenPipe => Failure::ClosedPipe,
+        _ => Failure::Error(format!("cannot write to the standard output: {error}")),
+    })
+}
+
+/// Progress bars on stderr; nothing where stderr is no terminal.
+pub(crate) struct Bars(Mutex<ProgressBar>);
+
+impl Bars {
+    pub(crate) fn new() -> Self {
+        Self(Mutex::new(ProgressBar::hidden()))
+    }
+
+    /// A sentence for the user, above the bar if there is one.
+    pub(crate) fn note(&self, text: &str) {
+        if let Ok(bar) = self.0.lock() {
+            bar.suspend(|| {
+                let _ = writeln!(std::io::stderr(), "note: {text}");
+            });
+        }
+    }
+}
+
+impl Progress for Bars {
+    fn start(&self, label: &str, total: u64) {
+        let Ok(mut bar) = self.0.lock() else { return };
+        bar.finish_and_clear();
+        if !std::io::stderr().is_terminal() {
+            return;
+        }
+        *bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr());
+        if let Ok(style) = ProgressStyle::with_template("{msg:28} [{bar:40}] {percent:>3} % {elapsed} (left {eta})") {
+            bar.set_style(style.progress_chars("=> "));
+        }
+        bar.set_message(label.to_owned());
+    }
+
+    fn advance(&self, steps: u64) {
+        if let Ok(bar) = self.0.lock() {
+            bar.inc(steps);
+        }
+    }
+}
+
+impl Drop for Bars {
+    fn drop(&mut self) {
+        if let Ok(bar) = self.0.lock() {
+            bar.finish_and_clear();
+        }
+    }
+}
