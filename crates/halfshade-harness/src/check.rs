@@ -59,7 +59,7 @@ pub fn compare(now: &Results, baseline: &Results) -> Result<Comparison, HarnessE
         let allowed = SIGMAS * before.rmse_noise.hypot(after.rmse_noise) + TOLERANCE * before.rmse;
         let change = after.rmse - before.rmse;
         if change.abs() > allowed || !after.rmse.is_finite() {
-            let worse = !(change <= allowed);
+            let worse = change > allowed || !after.rmse.is_finite();
             failures += usize::from(worse);
             let verdict = if worse { "FAILED: error grew" } else { "better: renew the baseline" };
             rows.push(row(new, significant(before.rmse, 4), significant(after.rmse, 4), verdict));

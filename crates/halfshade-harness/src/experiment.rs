@@ -272,7 +272,9 @@ impl Experiment {
             _ => return error("[truth] needs either `samples` or `relative_noise`"),
         }
         for scene in &self.scenes {
-            if let Some(published) = scene.published.iter().find(|p| !(p.frames_per_sec > 0.0)) {
+            if let Some(published) =
+                scene.published.iter().find(|p| p.frames_per_sec.is_nan() || p.frames_per_sec <= 0.0)
+            {
                 let problem = format!("published `{}`: frames_per_sec must be positive", published.method);
                 return Err(self.error_at(scene.name.span().start, problem));
             }

@@ -7,7 +7,14 @@
 //! hollow, at the value that the truth can just resolve.
 
 use crate::results::{Results, Run};
-use plotters::{coord::Shift, prelude::*, style::FontStyle};
+use plotters::{
+    coord::Shift,
+    prelude::*,
+    style::{
+        FontStyle, FontTransform,
+        text_anchor::{HPos, Pos, VPos},
+    },
+};
 use std::sync::Once;
 
 const PALETTE: [RGBColor; 8] = [
@@ -174,29 +181,28 @@ fn draw<B: DrawingBackend>(
     let points = || series.iter().flat_map(|series| &series.points);
     area.fill(&WHITE).map_err(text)?;
     let (left, right) = area.split_horizontally(px(SIZE.0 - LEGEND_WIDTH));
+    let x_range = log_range(points().map(|p| p.frame_ms));
+    let y_range = log_range(points().flat_map(|p| [p.error, p.error + p.error_noise]));
     let mut chart = ChartBuilder::on(&left)
         .caption(title, (FAMILY, px(20)).into_font().style(FontStyle::Bold))
         .margin(px(14))
         .x_label_area_size(px(52))
         .y_label_area_size(px(78))
-        .build_cartesian_2d(
-            log_range(points().map(|p| p.frame_ms)).log_scale(),
-            log_range(points().flat_map(|p| [p.error, p.error + p.error_noise])).log_scale(),
-        )
+        .build_cartesian_2d(x_range.clone().log_scale(), y_range.clone().log_scale())
         .map_err(text)?;
-    chart
-        .configure_mesh()
-        .x_desc(format!("time per frame, prepare + shade, {threads} threads (ms)"))
-        .y_desc("relative RMSE")
-        .label_style((FAMILY, px(13)))
-        .axis_desc_style((FAMILY, px(15)))
-        .x_label_formatter(&|value| tick(*value))
-        .y_label_formatter(&|value| tick(*value))
-        .bold_line_style(RGBColor(215, 215, 215).stroke_width(scale))
-        .light_line_style(RGBColor(240, 240, 240).stroke_width(scale))
-        .axis_style(RGBColor(60, 60, 60).stroke_width(scale))
-        .draw()
-        .map_err(text)?;
+    let (x_ticks, y_ticks) = (ticks(&x_range), ticks(&y_range));
+    let grid = |strong: bool| if strong { RGBColor(205, 205, 205) } else { RGBColor(236, 236, 236) };
+    for (x, label) in &x_ticks {
+        let line = vec![(*x, y_range.start), (*x, y_range.end)];
+        chart.draw_series([PathElement::new(line, grid(label.is_some()).stroke_width(scale))]).map_err(text)?;
+    }
+    for (y, label) in &y_ticks {
+        let line = vec![(x_range.start, *y), (x_range.end, *y)];
+        chart.draw_series([PathElement::new(line, grid(label.is_some()).stroke_width(scale))]).map_err(text)?;
+    }
+    let frame =
+        [(0, 0), (0, 1), (1, 1)].map(|(i, j)| ([x_range.start, x_range.end][i], [y_range.end, y_range.start][j]));
+    chart.draw_series([PathElement::new(frame.to_vec(), RGBColor(60, 60, 60).stroke_width(scale))]).map_err(text)?;
 
     let mut stairs = Vec::new();
     for pair in pareto_front(series).windows(2) {
@@ -225,6 +231,28 @@ fn draw<B: DrawingBackend>(
             }
         }
     }
+    // The library labels whole decades only, and axes that hold none not at all.
+    let labels = |size: u32, horizontal: HPos, vertical: VPos| {
+        (FAMILY, px(size)).into_font().color(&RGBColor(40, 40, 40)).pos(Pos::new(horizontal, vertical))
+    };
+    for (x, label) in x_ticks.iter().filter_map(|(x, label)| Some((x, label.as_ref()?))) {
+        let (column, row) = chart.backend_coord(&(*x, y_range.start));
+        let place = (column, row + px(6) as i32);
+        left.draw(&Text::new(label.as_str(), place, labels(13, HPos::Center, VPos::Top))).map_err(text)?;
+    }
+    for (y, label) in y_ticks.iter().filter_map(|(y, label)| Some((y, label.as_ref()?))) {
+        let (column, row) = chart.backend_coord(&(x_range.start, *y));
+        let place = (column - px(8) as i32, row);
+        left.draw(&Text::new(label.as_str(), place, labels(13, HPos::Right, VPos::Center))).map_err(text)?;
+    }
+    let ((x0, y0), (x1, y1)) =
+        (chart.backend_coord(&(x_range.start, y_range.start)), chart.backend_coord(&(x_range.end, y_range.end)));
+    let x_title = format!("time per frame, prepare + shade, {threads} threads (ms)");
+    let place = ((x0 + x1) / 2, y0 + px(30) as i32);
+    left.draw(&Text::new(x_title, place, labels(15, HPos::Center, VPos::Top))).map_err(text)?;
+    let turned = labels(15, HPos::Center, VPos::Top).transform(FontTransform::Rotate270);
+    left.draw(&Text::new("relative RMSE", (px(14) as i32, (y0 + y1) / 2), turned)).map_err(text)?;
+
     legend(&right, scale, series)?;
     area.present().map_err(text)
 }
@@ -254,8 +282,11 @@ fn legend<B: DrawingBackend>(area: &DrawingArea<B, Shift>, scale: u32, series: &
     Ok(())
 }
 
+/// A filled polygon and its outline, in pixels.
+type Mark = (Polygon<(i32, i32)>, PathElement<(i32, i32)>);
+
 /// A mark about the origin of pixels, as a polygon and its outline: circle, square, triangle, diamond, triangle upside down.
-fn mark(number: usize, color: RGBColor, filled: bool, scale: u32) -> (Polygon<(i32, i32)>, PathElement<(i32, i32)>) {
+fn mark(number: usize, color: RGBColor, filled: bool, scale: u32) -> Mark {
     let r = f64::from(5 * scale);
     let (corners, turn, radius) = match number % 5 {
         0 => (24, 0.0, r),
@@ -274,10 +305,17 @@ fn mark(number: usize, color: RGBColor, filled: bool, scale: u32) -> (Polygon<(i
     (Polygon::new(points.clone(), inside.filled()), PathElement::new(points, color.stroke_width(scale)))
 }
 
-/// A tick's label without needless digits.
-fn tick(value: f64) -> String {
-    let text = format!("{value:.6}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+/// Places of grid lines, and the labels of those that have one: whole decades, and twice and five times as much
+/// where few decades are shown.
+fn ticks(range: &std::ops::Range<f64>) -> Vec<(f64, Option<String>)> {
+    let (first, last) = (range.start.log10().floor() as i32, range.end.log10().ceil() as i32);
+    let labelled: &[u32] = if (range.end / range.start).log10() < 2.2 { &[1, 2, 5] } else { &[1] };
+    (first..=last)
+        .flat_map(|decade| (1..10u32).map(move |digit| (decade, digit)))
+        .map(|(decade, digit)| (format!("{digit}e{decade}").parse().unwrap_or(f64::NAN), digit))
+        .filter(|(value, _)| range.contains(value))
+        .map(|(value, digit)| (value, labelled.contains(&digit).then(|| value.to_string())))
+        .collect()
 }
 
 #[cfg(test)]
@@ -314,6 +352,13 @@ mod tests {
         assert_eq!(series[0].points[1].numbers, "6");
         assert_eq!(series[0].color, series[2].color);
         assert_ne!((series[0].mark, series[0].color), (series[2].mark, series[1].color));
+    }
+
+    #[test]
+    fn every_axis_has_labels_however_short() {
+        let labels = |range| ticks(&range).into_iter().filter_map(|(_, label)| label).collect::<Vec<_>>();
+        assert_eq!(labels(0.03..0.4), ["0.05", "0.1", "0.2"]);
+        assert_eq!(labels(0.5..2000.0), ["1", "10", "100", "1000"]);
     }
 
     #[test]

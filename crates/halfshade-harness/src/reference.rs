@@ -35,54 +35,65 @@ struct Stored {
 /// Raise it whenever the meaning of what is cached changes.
 const VERSION: u32 = 1;
 
-/// Radiance of `receivers` at frame `index` of `scene` by the reference `kind`, and its samples per receiver.
-/// `kind` is not [`ReferenceKind::OwnBands`]: that one depends on who asks.
-pub fn reference(
-    scene: &Scene,
-    index: usize,
-    receivers: Receivers<'_>,
-    kind: ReferenceKind,
-    accuracy: &Accuracy,
-    band_limit: &BandLimit<'_>,
-    cache: &Cache,
-    progress: &dyn Progress,
-) -> Result<(Reference, usize), HarnessError> {
-    let limited;
-    let lit = match kind {
-        ReferenceKind::Bands(bands) => {
-            limited = Scene { environment: band_limit(&scene.environment, bands.get()), ..scene.clone() };
-            &limited
-        }
-        _ => scene,
-    };
-    let geometry = match kind {
-        ReferenceKind::Mesh => Geometry::Mesh,
-        _ => Geometry::Spheres(Default::default()),
-    };
-    let options = Options {
-        geometry,
-        samples: accuracy.samples,
-        noise_target: accuracy.relative_noise,
-        seed: accuracy.seed,
-        ..Options::default()
-    };
-    let frame = lit.frame(index);
-    let key = key(&frame, receivers, &options);
-    let (stored, _) = cache.get_or_compute(&key, || {
-        let estimate = estimate(&Tracer::new(&frame), receivers, &options, progress);
-        Ok(Stored {
-            radiance: estimate.radiance.channels,
-            standard_error: estimate.standard_error.channels,
-            samples: estimate.samples,
-            unshadowed_mean: estimate.unshadowed_mean,
-        })
-    })?;
-    let reference = Reference {
-        radiance: RadianceBuffer { channels: stored.radiance },
-        standard_error: RadianceBuffer { channels: stored.standard_error },
-        unshadowed_mean: stored.unshadowed_mean,
-    };
-    Ok((reference, stored.samples))
+/// What traces references.
+pub struct ReferenceTracer<'a> {
+    /// How exact they are.
+    pub accuracy: Accuracy,
+    /// Limits an environment to some bands.
+    pub band_limit: &'a BandLimit<'a>,
+    /// Where they are kept.
+    pub cache: &'a Cache,
+    /// Who is told how far it is.
+    pub progress: &'a dyn Progress,
+}
+
+impl ReferenceTracer<'_> {
+    /// Radiance of `receivers` at frame `index` of `scene` by the reference `kind`, and its samples per receiver.
+    /// `kind` is not [`ReferenceKind::OwnBands`]: that one depends on who asks.
+    pub fn trace(
+        &self,
+        scene: &Scene,
+        index: usize,
+        receivers: Receivers<'_>,
+        kind: ReferenceKind,
+    ) -> Result<(Reference, usize), HarnessError> {
+        let limited;
+        let lit = match kind {
+            ReferenceKind::Bands(bands) => {
+                limited = Scene { environment: (self.band_limit)(&scene.environment, bands.get()), ..scene.clone() };
+                &limited
+            }
+            _ => scene,
+        };
+        let geometry = match kind {
+            ReferenceKind::Mesh => Geometry::Mesh,
+            _ => Geometry::Spheres(Default::default()),
+        };
+        let options = Options {
+            geometry,
+            samples: self.accuracy.samples,
+            noise_target: self.accuracy.relative_noise,
+            seed: self.accuracy.seed,
+            ..Options::default()
+        };
+        let frame = lit.frame(index);
+        let key = key(&frame, receivers, &options);
+        let (stored, _) = self.cache.get_or_compute(&key, || {
+            let estimate = estimate(&Tracer::new(&frame), receivers, &options, self.progress);
+            Ok(Stored {
+                radiance: estimate.radiance.channels,
+                standard_error: estimate.standard_error.channels,
+                samples: estimate.samples,
+                unshadowed_mean: estimate.unshadowed_mean,
+            })
+        })?;
+        let reference = Reference {
+            radiance: RadianceBuffer { channels: stored.radiance },
+            standard_error: RadianceBuffer { channels: stored.standard_error },
+            unshadowed_mean: stored.unshadowed_mean,
+        };
+        Ok((reference, stored.samples))
+    }
 }
 
 /// Everything the truth depends on, by its exact bits.

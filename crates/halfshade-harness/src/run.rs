@@ -12,7 +12,7 @@ use crate::{
     picture_colors::signed_error,
     plan::Plan,
     projection::Projection,
-    reference::{BandLimit, reference},
+    reference::{BandLimit, ReferenceTracer},
     results::{ErrorFigures, Memory, PictureFiles, Run, SCHEMA, Sample, SceneFacts, Status, TimeFigures, TruthFigures},
     shading::{count_not_finite, shade_all},
 };
@@ -305,19 +305,16 @@ impl Session<'_> {
     }
 
     fn references(&self, scene: &Scene, index: usize, receivers: &ReceiverBuffer) -> Result<References, HarnessError> {
+        let tracer = ReferenceTracer {
+            accuracy: self.plan.accuracy,
+            band_limit: self.tools.band_limit,
+            cache: &self.truth_cache,
+            progress: self.tools.progress,
+        };
         let kinds = std::iter::once(ReferenceKind::Mesh).chain(self.plan.other_references());
         kinds
             .map(|kind| {
-                let (reference, samples) = reference(
-                    scene,
-                    index,
-                    receivers.view(),
-                    kind,
-                    &self.plan.accuracy,
-                    self.tools.band_limit,
-                    &self.truth_cache,
-                    self.tools.progress,
-                )?;
+                let (reference, samples) = tracer.trace(scene, index, receivers.view(), kind)?;
                 Ok((kind, reference, samples))
             })
             .collect()
