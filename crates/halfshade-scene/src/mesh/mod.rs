@@ -1,11 +1,17 @@
 //! Triangle meshes in object space: loading, welding, repair, normals.
 
+mod assemble;
+mod gltf;
+mod load;
 mod normals;
+mod obj;
 mod orient;
+mod ply;
 mod repair;
 mod topology;
 mod weld;
 
+pub use load::{EXTENSIONS, load, load_with_notes};
 pub use normals::smooth_normals;
 pub use repair::repaired;
 pub use topology::{Body, Topology};

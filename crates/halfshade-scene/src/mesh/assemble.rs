@@ -1,0 +1,157 @@
+//! From what a file says to a sound mesh.
+
+use super::weld::position_key;
+use super::{Mesh, repaired, smooth_normals, weld};
+use crate::SceneError;
+use glam::Vec3;
+use std::collections::HashMap;
+
+/// Coordinates beyond this would overflow f32 once multiplied three times, as volumes are.
+const LARGEST_COORDINATE: f32 = 1e12;
+
+/// What loaders return: unchecked.
+#[derive(Debug, Clone, Default)]
+pub(super) struct RawMesh {
+    /// Positions as read.
+    pub(super) positions: Vec<Vec3>,
+    /// Normals as read, of any length and possibly useless; empty, or one per position, zero where there is none.
+    pub(super) normals: Vec<Vec3>,
+    /// Colours; empty, or one per position.
+    pub(super) colors: Vec<Vec3>,
+    /// Triangles, with indices as read.
+    pub(super) triangles: Vec<[u32; 3]>,
+    /// What the file calls a vertex's place, for messages: its line number by vertex, where there are lines.
+    pub(super) lines: Vec<usize>,
+}
+
+/// Checks, repairs and completes a mesh; see [`super::load`].
+pub(super) fn assemble(raw: RawMesh) -> Result<(Mesh, Vec<String>), SceneError> {
+    let RawMesh { positions, normals, colors, triangles, lines } = raw;
+    if let Some((index, position)) =
+        positions.iter().enumerate().find(|(_, p)| !(p.abs().max_element() <= LARGEST_COORDINATE && p.is_finite()))
+    {
+        let problem = if position.is_finite() {
+            format!("vertex {index} lies at {position}, too far out to compute with")
+        } else {
+            format!("vertex {index} has a coordinate that is not a finite number: {position}")
+        };
+        let error = SceneError::new(problem).with_remedy("repair or rescale the mesh in the program that wrote it");
+        return Err(match lines.get(index) {
+            Some(line) => error.at_line(*line),
+            None => error,
+        });
+    }
+    if let Some((index, triangle)) =
+        triangles.iter().enumerate().find(|(_, t)| t.iter().any(|&v| v as usize >= positions.len()))
+    {
+        let count = positions.len();
+        return Err(SceneError::new(format!(
+            "triangle {index} names vertices {triangle:?}, but there are only {count}"
+        )));
+    }
+    if triangles.is_empty() {
+        return Err(SceneError::new("the mesh has no triangles"));
+    }
+    let (mesh, notes) = repaired(&Mesh { positions, normals, colors, triangles });
+    if mesh.triangles.is_empty() {
+        return Err(SceneError::new("no triangle of the mesh has an area"));
+    }
+    Ok((compacted(with_unit_normals(mesh)), notes))
+}
+
+/// Normals of unit length: those given, else smooth ones.
+fn with_unit_normals(mut mesh: Mesh) -> Mesh {
+    mesh.normals.resize(mesh.positions.len(), Vec3::ZERO);
+    // Through f64: a tiny normal still has a direction, and a huge one no infinite length.
+    let unit = |n: &Vec3| n.as_dvec3().try_normalize().map_or(Vec3::ZERO, |n| n.as_vec3());
+    mesh.normals = mesh.normals.iter().map(unit).collect();
+    if mesh.normals.contains(&Vec3::ZERO) {
+        let welded = weld(&mesh);
+        let smooth = smooth_normals(&welded);
+        for (normal, &vertex) in mesh.normals.iter_mut().zip(&welded.vertex_of) {
+            if *normal == Vec3::ZERO {
+                *normal = smooth[vertex as usize];
+            }
+        }
+    }
+    mesh
+}
+
+/// The same mesh without unused vertices, and with one vertex where several were equal in everything.
+fn compacted(mesh: Mesh) -> Mesh {
+    let mut result = Mesh::default();
+    let mut index_of: HashMap<[[u32; 3]; 3], u32> = HashMap::with_capacity(mesh.positions.len());
+    for triangle in &mesh.triangles {
+        result.triangles.push(triangle.map(|v| {
+            let v = v as usize;
+            let (position, normal, color) = (mesh.positions[v], mesh.normals[v], mesh.colors.get(v).copied());
+            let key = [position, normal, color.unwrap_or_default()].map(position_key);
+            *index_of.entry(key).or_insert_with(|| {
+                result.positions.push(position);
+                result.normals.push(normal);
+                result.colors.extend(color);
+                result.positions.len() as u32 - 1
+            })
+        }));
+    }
+    if result.colors.iter().all(|color| *color == Vec3::ONE) {
+        result.colors.clear();
+    }
+    result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::builtin::shapes;
+
+    fn raw(mesh: Mesh) -> RawMesh {
+        let Mesh { positions, normals, colors, triangles } = mesh;
+        RawMesh { positions, normals, colors, triangles, lines: Vec::new() }
+    }
+
+    #[test]
+    fn normals_are_made_unit_and_filled_in_across_seams() {
+        let mut mesh = shapes::shape("sphere").unwrap();
+        let sound = mesh.clone();
+        mesh.normals.iter_mut().for_each(|n| *n *= 1e-30);
+        mesh.normals[7] = Vec3::splat(f32::NAN);
+        mesh.normals[9] = Vec3::ZERO;
+        let (mesh, _) = assemble(raw(mesh)).unwrap();
+        assert_eq!(mesh.positions.len(), sound.positions.len());
+        assert!(mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-6));
+        assert!(mesh.positions.iter().zip(&mesh.normals).all(|(p, n)| n.distance(p.normalize()) < 0.02));
+        // A box whose faces are split, without normals: each corner has one, so equal vertices merge.
+        let mut split = shapes::box_mesh(2);
+        split.normals.clear();
+        let (mesh, _) = assemble(raw(split)).unwrap();
+        assert_eq!(mesh.positions.len(), 26);
+    }
+
+    #[test]
+    fn unused_vertices_go_and_white_is_no_colour() {
+        let mut mesh = shapes::plane(1);
+        mesh.positions.push(Vec3::ONE);
+        mesh.normals.push(Vec3::ONE);
+        mesh.colors = vec![Vec3::ONE; mesh.positions.len()];
+        let (mesh, notes) = assemble(raw(mesh)).unwrap();
+        assert_eq!((mesh.positions.len(), mesh.colors.len(), notes.len()), (4, 0, 0));
+    }
+
+    #[test]
+    fn what_cannot_be_a_mesh_is_refused() {
+        let failure = |change: fn(&mut RawMesh)| {
+            let mut raw = raw(shapes::plane(1));
+            raw.lines = vec![10, 11, 12, 13];
+            change(&mut raw);
+            assemble(raw).unwrap_err()
+        };
+        let error = |change| failure(change).problem;
+        assert_eq!(failure(|raw| raw.positions[2].y = f32::NAN).line, Some(12));
+        assert!(error(|raw| raw.positions[1].x = f32::INFINITY).contains("vertex 1"));
+        assert!(error(|raw| raw.positions[1].x = 1e30).contains("too far"));
+        assert!(error(|raw| raw.triangles[1][0] = 4).contains("triangle 1"));
+        assert!(error(|raw| raw.triangles.clear()).contains("no triangles"));
+        assert!(error(|raw| raw.positions.iter_mut().for_each(|p| p.x = 0.0)).contains("area"));
+    }
+}
