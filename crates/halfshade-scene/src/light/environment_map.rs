@@ -1,6 +1,6 @@
 //! A latitude-longitude map of radiance, constant over each texel.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use std::f32::consts::{PI, TAU};
 
 /// Radiance over all directions on a latitude-longitude grid.
@@ -57,6 +57,14 @@ impl EnvironmentMap {
         std::f64::consts::TAU / self.width as f64 * (edge(row) - edge(row + 1))
     }
 
+    /// Mean radiance over all directions, weighted by solid angle.
+    pub fn mean_radiance(&self) -> DVec3 {
+        let row_sum = |row: &[Vec3]| row.iter().map(|texel| texel.as_dvec3()).sum::<DVec3>();
+        let rows = self.texels.chunks_exact(self.width).enumerate();
+        let total: DVec3 = rows.map(|(row, texels)| self.texel_solid_angle(row) * row_sum(texels)).sum();
+        total / (4.0 * std::f64::consts::PI)
+    }
+
     /// Radiance along unit `direction`.
     pub fn radiance(&self, direction: Vec3) -> Vec3 {
         let (column, row) = self.texel_at(direction);
@@ -82,5 +90,13 @@ mod tests {
         assert!(map.direction_at(0.75, 0.5).distance(Vec3::X) < 1e-6);
         let total: f64 = (0..height).map(|row| map.texel_solid_angle(row) * width as f64).sum();
         assert!((total - 4.0 * std::f64::consts::PI).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_mean_weighs_by_solid_angle() {
+        let texels =
+            (0..16).flat_map(|row| [Vec3::new(1.0, if row < 8 { 2.0 } else { 0.0 }, row as f32); 32]).collect();
+        let map = EnvironmentMap::new(32, 16, texels).unwrap();
+        assert!(map.mean_radiance().distance(DVec3::new(1.0, 1.0, 7.5)) < 1e-12);
     }
 }

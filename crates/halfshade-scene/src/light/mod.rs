@@ -1,10 +1,14 @@
 //! Light: an infinitely distant environment, and local spheres.
 
+mod angular;
 mod cap;
 mod directional_cells;
 mod environment;
 mod environment_map;
+mod image_file;
 mod octahedral;
+mod probe;
+mod sky;
 mod sphere_light;
 
 pub use cap::cap_irradiance;
@@ -12,4 +16,13 @@ pub use directional_cells::DirectionalCells;
 pub use environment::{DistantLight, Environment, Sun};
 pub use environment_map::EnvironmentMap;
 pub use octahedral::{OctahedralGrid, OctahedralWeights};
+pub use probe::{EXTENSIONS, Projection, load_probe};
+pub use sky::{KILOCANDELAS_PER_UNIT, Sky};
 pub use sphere_light::SphereLight;
+
+use glam::Vec3;
+
+/// Relative luminance of linear Rec. 709 radiance: 0.2126 R + 0.7152 G + 0.0722 B, in the unit of the radiance.
+pub fn luminance(radiance: Vec3) -> f32 {
+    radiance.dot(Vec3::new(0.2126, 0.7152, 0.0722))
+}

@@ -33,3 +33,21 @@ impl SphereLight {
         self.radiance * form as f32
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f32::consts::PI;
+
+    #[test]
+    fn a_distant_light_obeys_the_inverse_square_and_a_surrounding_one_fills_the_sky() {
+        let light = SphereLight { center: Vec3::new(0.0, 4.0, 3.0), radius: 0.5, radiance: Vec3::new(1.0, 2.0, 0.0) };
+        let expected = PI * 0.25 / 25.0 * 0.8;
+        assert!(light.irradiance(Vec3::ZERO, Vec3::Y).distance(expected * light.radiance) < 1e-6);
+        assert_eq!(light.irradiance(Vec3::ZERO, Vec3::NEG_Y), Vec3::ZERO);
+        assert!(light.irradiance(light.center, Vec3::X).distance(PI * light.radiance) < 1e-5);
+        // On its surface, facing it: everything seen is the light.
+        let touching = light.irradiance(light.center - 0.5 * Vec3::Y, Vec3::Y);
+        assert!(touching.distance(PI * light.radiance) < 1e-3);
+    }
+}
