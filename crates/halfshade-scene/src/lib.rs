@@ -7,6 +7,7 @@ pub mod cache;
 pub mod camera;
 pub mod clusters;
 pub mod error;
+pub mod file;
 pub mod frame;
 pub mod light;
 pub mod material;

@@ -1,0 +1,429 @@
+//! From a scene file's tables to a scene, every value checked.
+
+use super::document::{
+    AnimationTable, CameraTable, Document, EnvironmentTable, KeyframeTable, LightTable, Meshes, ObjectTable, SkyTable,
+};
+use super::source::{Source, stem};
+use super::{DEFAULT_FRAMES_PER_SEC, DEFAULT_SPHERE_COUNT, framing};
+use crate::light::{Projection, Sky, load_probe};
+use crate::{Camera, Environment, Material, Motion, Object, Pose, Scene, SceneError, SphereLight, builtin, mesh};
+use glam::{Quat, Vec3};
+use std::ops::{Range, RangeInclusive};
+use std::sync::Arc;
+use toml::Spanned;
+
+type Result<T> = std::result::Result<T, SceneError>;
+
+/// Largest numbers of leaf spheres and of clusters of one object.
+const MAX_COUNT: i64 = 100_000;
+
+pub(super) fn scene(source: &Source<'_>, document: Document) -> Result<Scene> {
+    if document.object.is_empty() {
+        return Err(SceneError::new("the scene has no objects")
+            .in_file(source.path)
+            .with_remedy("add an [[object]] with a mesh or a shape"));
+    }
+    let mut meshes = Meshes::new();
+    let objects: Vec<Object> =
+        document.object.into_iter().map(|table| object(source, table, &mut meshes)).collect::<Result<_>>()?;
+    let lights: Vec<_> = document.light.into_iter().map(|table| light(source, table)).collect::<Result<_>>()?;
+    let (environment, turn) = match document.environment {
+        Some(table) => environment(source, table)?,
+        None => (Environment::constant(if lights.is_empty() { Vec3::ONE } else { Vec3::ZERO }), 0.0),
+    };
+    let camera = match document.camera {
+        Some(table) => camera(source, table.into_inner())?,
+        None => {
+            let (min, max) = framing::bounds_of(&objects);
+            framing::camera_on(min, max)
+        }
+    };
+    let motions = objects.iter().map(|object| &object.motion).chain(lights.iter().map(|(_, motion)| motion));
+    let last_key = motions.filter_map(|motion| match motion {
+        Motion::Keyframes(keys) => keys.last().map(|(time, _)| *time),
+        Motion::Still(_) => None,
+    });
+    let (frames_per_sec, frame_count) = animation(source, document.animation, last_key.fold(0.0, f64::max))?;
+    Ok(Scene {
+        name: document.name.unwrap_or_else(|| stem(source.path)),
+        objects,
+        environment,
+        environment_turn_per_sec: turn,
+        lights,
+        camera,
+        frames_per_sec,
+        frame_count,
+    })
+}
+
+/// A whole number within a range, or its default.
+fn whole(
+    source: &Source<'_>,
+    what: &str,
+    value: Option<Spanned<i64>>,
+    range: RangeInclusive<i64>,
+    default: usize,
+) -> Result<usize> {
+    let Some(value) = value else { return Ok(default) };
+    let number = *value.get_ref();
+    if range.contains(&number) {
+        return Ok(number as usize);
+    }
+    let (min, max) = range.into_inner();
+    Err(source.error(value.span(), format!("{what} = {number} lies outside of {min} to {max}")))
+}
+
+/// A value that `fits`, or an error that says what is expected.
+fn checked<T: Copy + std::fmt::Debug>(
+    source: &Source<'_>,
+    what: &str,
+    value: &Spanned<T>,
+    expected: &str,
+    fits: impl Fn(T) -> bool,
+) -> Result<T> {
+    let inner = *value.get_ref();
+    if fits(inner) {
+        return Ok(inner);
+    }
+    Err(source.error(value.span(), format!("{what} = {inner:?} must be {expected}")))
+}
+
+/// A point or a shift: three finite numbers.
+fn place(source: &Source<'_>, what: &str, value: &Spanned<[f32; 3]>) -> Result<Vec3> {
+    checked(source, what, value, "three finite numbers", |v| Vec3::from(v).is_finite()).map(Vec3::from)
+}
+
+fn albedo(source: &Source<'_>, what: &str, value: &Spanned<[f32; 3]>) -> Result<Vec3> {
+    let fits = |v: [f32; 3]| v.iter().all(|x| (0.0..=1.0).contains(x));
+    checked(source, what, value, "within [0, 1]", fits).map(Vec3::from)
+}
+
+fn radiance(source: &Source<'_>, what: &str, value: &Spanned<[f32; 3]>) -> Result<Vec3> {
+    let fits = |v: [f32; 3]| v.iter().all(|x| x.is_finite() && *x >= 0.0);
+    checked(source, what, value, "finite and not negative", fits).map(Vec3::from)
+}
+
+fn pose(
+    source: &Source<'_>,
+    translate: Option<&Spanned<[f32; 3]>>,
+    rotate: Option<&Spanned<[f32; 4]>>,
+    scale: Option<&Spanned<f32>>,
+) -> Result<Pose> {
+    let mut pose = Pose::IDENTITY;
+    if let Some(value) = translate {
+        pose.translation = place(source, "translate", value)?;
+    }
+    if let Some(value) = rotate {
+        let unit_axis = |[x, y, z, _]: [f32; 4]| glam::DVec3::new(x.into(), y.into(), z.into()).try_normalize();
+        let expected = "[axis_x, axis_y, axis_z, degrees], finite, the axis not zero";
+        let fits = |v: [f32; 4]| v[3].is_finite() && unit_axis(v).is_some();
+        let turn = checked(source, "rotate", value, expected, fits)?;
+        let axis = unit_axis(turn).unwrap_or(glam::DVec3::Y).as_vec3().normalize();
+        pose.rotation = Quat::from_axis_angle(axis, turn[3].to_radians());
+    }
+    if let Some(value) = scale {
+        pose.scale = checked(source, "scale", value, "positive and finite", |s| s > 0.0 && s.is_finite())?;
+    }
+    Ok(pose)
+}
+
+fn keyframes(source: &Source<'_>, table: &Spanned<Vec<Spanned<KeyframeTable>>>) -> Result<Motion> {
+    if table.get_ref().is_empty() {
+        return Err(source.error(table.span(), "keyframe is empty; give at least one, or none"));
+    }
+    let mut keys: Vec<(f64, Pose)> = Vec::new();
+    for key in table.get_ref() {
+        let KeyframeTable { time, translate, rotate, scale } = key.get_ref();
+        let previous = keys.last().map_or(f64::NEG_INFINITY, |(time, _)| *time);
+        let fits = |t: f64| t.is_finite() && t > previous;
+        let time = checked(source, "time", time, "finite and later than that of the keyframe before", fits)?;
+        keys.push((time, pose(source, translate.as_ref(), rotate.as_ref(), scale.as_ref())?));
+    }
+    Ok(Motion::Keyframes(keys))
+}
+
+fn object(source: &Source<'_>, table: Spanned<ObjectTable>, meshes: &mut Meshes) -> Result<Object> {
+    let span: Range<usize> = table.span();
+    let table = table.into_inner();
+    let (mesh, default_name, is_plane) = match (&table.mesh, &table.shape) {
+        (Some(name), None) => {
+            let path = source.resolve(name.get_ref());
+            let mesh = match meshes.get(&path) {
+                Some(mesh) => Arc::clone(mesh),
+                None => {
+                    let mesh = Arc::new(mesh::load(&path).map_err(|error| named_at(source, name, error))?);
+                    meshes.insert(path.clone(), Arc::clone(&mesh));
+                    mesh
+                }
+            };
+            (mesh, stem(&path), false)
+        }
+        (None, Some(name)) => {
+            let mesh = builtin::shape(name.get_ref()).ok_or_else(|| {
+                let known = builtin::SHAPES.join(", ");
+                source.error(name.span(), format!("unknown shape `{}`; known: {known}", name.get_ref()))
+            })?;
+            (Arc::new(mesh), name.get_ref().clone(), name.get_ref() == "plane")
+        }
+        _ => return Err(source.error(span, "an object needs either a mesh or a shape")),
+    };
+    let still = pose(source, table.translate.as_ref(), table.rotate.as_ref(), table.scale.as_ref())?;
+    let motion = match &table.keyframe {
+        None => Motion::Still(still),
+        Some(keys) if table.translate.is_none() && table.rotate.is_none() && table.scale.is_none() => {
+            keyframes(source, keys)?
+        }
+        Some(keys) => {
+            return Err(source
+                .error(keys.span(), "keyframe stands beside translate, rotate or scale")
+                .with_remedy("put them into the keyframes"));
+        }
+    };
+    Ok(Object {
+        name: table.name.unwrap_or(default_name),
+        mesh,
+        material: Material {
+            albedo: match &table.albedo {
+                Some(value) => albedo(source, "albedo", value)?,
+                None => Vec3::splat(0.8),
+            },
+        },
+        sphere_count: whole(
+            source,
+            "spheres",
+            table.spheres,
+            0..=MAX_COUNT,
+            if is_plane { 0 } else { DEFAULT_SPHERE_COUNT },
+        )?,
+        spheres: None,
+        cluster_count: whole(source, "clusters", table.clusters, 0..=MAX_COUNT, 0)?,
+        motion,
+    })
+}
+
+/// The error of a file that the scene names: about that file; where it can't be read at all, where it is named as well.
+fn named_at(source: &Source<'_>, name: &Spanned<String>, error: SceneError) -> SceneError {
+    let is_missing = error.path.as_ref().is_some_and(|path| !path.is_file());
+    if is_missing { source.error(name.span(), error.to_string()) } else { error }
+}
+
+fn light(source: &Source<'_>, table: Spanned<LightTable>) -> Result<(SphereLight, Motion)> {
+    let LightTable { sphere, radiance: emitted, keyframe } = table.into_inner();
+    let light = SphereLight {
+        center: place(source, "center", &sphere.center)?,
+        radius: checked(source, "radius", &sphere.radius, "positive and finite", |r| r > 0.0 && r.is_finite())?,
+        radiance: radiance(source, "radiance", &emitted)?,
+    };
+    let motion = match &keyframe {
+        Some(keys) => keyframes(source, keys)?,
+        None => Motion::Still(Pose::IDENTITY),
+    };
+    Ok((light, motion))
+}
+
+/// The environment, and its turn in radians per second.
+fn environment(source: &Source<'_>, table: Spanned<EnvironmentTable>) -> Result<(Environment, f32)> {
+    let span = table.span();
+    let EnvironmentTable { constant, image, projection, forward_degrees, sky, turn_degrees_per_sec } =
+        table.into_inner();
+    let degrees = |what: &str, value: Option<Spanned<f32>>| match value {
+        Some(value) => checked(source, what, &value, "a finite number", f32::is_finite),
+        None => Ok(0.0),
+    };
+    if image.is_none() {
+        let misplaced = projection.as_ref().map(Spanned::span).or(forward_degrees.as_ref().map(Spanned::span));
+        if let Some(span) = misplaced {
+            return Err(source.error(span, "projection and forward_degrees belong to an image, and there is none"));
+        }
+    }
+    let turn = degrees("turn_degrees_per_sec", turn_degrees_per_sec)?.to_radians();
+    let environment = match (constant, image, sky) {
+        (Some(constant), None, None) => Environment::constant(radiance(source, "constant", &constant)?),
+        (None, Some(image), None) => {
+            let projection = match projection {
+                Some(name) => name.get_ref().parse().map_err(|e: SceneError| source.error(name.span(), e.problem))?,
+                None => Projection::LatLong,
+            };
+            let forward = degrees("forward_degrees", forward_degrees)?;
+            let path = source.resolve(image.get_ref());
+            let map = load_probe(&path, projection, forward).map_err(|error| named_at(source, &image, error))?;
+            Environment::map(map)
+        }
+        (None, None, Some(table)) => {
+            let span = table.span();
+            sky_of(table.into_inner()).environment().map_err(|error| source.error(span, error.problem))?
+        }
+        _ => return Err(source.error(span, "an environment is one of: constant, image, sky")),
+    };
+    Ok((environment, turn))
+}
+
+/// A sky with defaults filled in.
+fn sky_of(table: SkyTable) -> Sky {
+    let SkyTable { sun_elevation_degrees, sun_azimuth_degrees, turbidity, ground_albedo, sun, resolution } = table;
+    let default = Sky::default();
+    Sky {
+        sun_elevation_degrees: sun_elevation_degrees.unwrap_or(default.sun_elevation_degrees),
+        sun_azimuth_degrees: sun_azimuth_degrees.unwrap_or(default.sun_azimuth_degrees),
+        turbidity: turbidity.unwrap_or(default.turbidity),
+        ground_albedo: ground_albedo.map_or(default.ground_albedo, Vec3::from),
+        sun: sun.unwrap_or(default.sun),
+        resolution: resolution.unwrap_or(default.resolution),
+    }
+}
+
+fn camera(source: &Source<'_>, table: CameraTable) -> Result<Camera> {
+    let (eye, target) = (place(source, "eye", &table.eye)?, place(source, "target", &table.target)?);
+    if (target - eye).try_normalize().is_none() {
+        return Err(source.error(table.target.span(), "the camera's target is its eye: it looks nowhere"));
+    }
+    let vertical_fov_degrees = match &table.vertical_fov_degrees {
+        Some(value) => checked(source, "vertical_fov_degrees", value, "between 0 and 180", |a| a > 0.0 && a < 180.0)?,
+        None => 40.0,
+    };
+    let resolution = match &table.resolution {
+        Some(value) => {
+            let fits = |sides: [i64; 2]| sides.iter().all(|side| (1..=16384).contains(side));
+            checked(source, "resolution", value, "two numbers from 1 to 16384", fits)?.map(|side| side as u32)
+        }
+        None => [800, 600],
+    };
+    Ok(Camera { eye, target, vertical_fov_degrees, resolution })
+}
+
+/// Frames per second and number of frames.
+fn animation(source: &Source<'_>, table: Option<AnimationTable>, last_key: f64) -> Result<(f64, usize)> {
+    let (frames_per_sec, frame_count) = table.map_or((None, None), |t| (t.frames_per_sec, t.frame_count));
+    let frames_per_sec = match &frames_per_sec {
+        Some(value) => checked(source, "frames_per_sec", value, "positive, at most 10000", |f| f > 0.0 && f <= 1e4)?,
+        None => DEFAULT_FRAMES_PER_SEC,
+    };
+    const MAX_FRAMES: i64 = 1_000_000;
+    let default = 1 + ((last_key * frames_per_sec).ceil() as usize).min(MAX_FRAMES as usize - 1);
+    Ok((frames_per_sec, whole(source, "frame_count", frame_count, 1..=MAX_FRAMES, default)?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::light::DistantLight;
+    use std::path::Path;
+
+    fn read(text: &str) -> Result<Scene> {
+        let source = Source::new(Path::new("folder/s.toml"), text);
+        scene(&source, source.parse()?)
+    }
+
+    const OBJECT: &str = "[[object]]\nshape = \"box\"\n";
+
+    #[test]
+    fn everything_a_file_can_say_arrives() {
+        let scene = read(
+            r#"
+            name = "all"
+            [[object]]
+            shape = "sphere"
+            name = "ball"
+            albedo = [1, 0.5, 0]
+            spheres = 7
+            clusters = 3
+            keyframe = [{ time = 0 }, { time = 2, translate = [0, 4, 0], rotate = [0, 2, 0, 90], scale = 4 }]
+            [[object]]
+            shape = "plane"
+            translate = [0, -1, 0]
+            scale = 5
+            [environment]
+            sky = { sun_elevation_degrees = 30, turbidity = 4, sun = false, resolution = 16 }
+            turn_degrees_per_sec = 180
+            [[light]]
+            sphere = { center = [0, 3, 0], radius = 0.5 }
+            radiance = [10, 20, 30]
+            keyframe = [{ time = 0 }, { time = 1, translate = [1, 0, 0] }]
+            [camera]
+            eye = [0, 1, 4]
+            target = [0, 0.5, 0]
+            resolution = [80, 60]
+            [animation]
+            frames_per_sec = 10
+            "#,
+        )
+        .unwrap();
+        assert_eq!((scene.name.as_str(), scene.frame_count, scene.frames_per_sec), ("all", 21, 10.0));
+        let (ball, floor) = (&scene.objects[0], &scene.objects[1]);
+        assert_eq!((ball.name.as_str(), ball.sphere_count, ball.cluster_count), ("ball", 7, 3));
+        assert_eq!((floor.name.as_str(), floor.sphere_count), ("plane", 0));
+        assert_eq!(ball.material.albedo, Vec3::new(1.0, 0.5, 0.0));
+        let frame = scene.frame(10);
+        let moved = frame.world_from_object[0].transform_point(Vec3::X);
+        let turned = Vec3::new(0.5_f32.sqrt(), 0.0, -0.5_f32.sqrt());
+        assert!(moved.distance(Vec3::new(0.0, 2.0, 0.0) + 2.0 * turned) < 1e-5, "{moved}");
+        assert!(frame.lights[0].center.distance(Vec3::new(1.0, 3.0, 0.0)) < 1e-6);
+        assert!((frame.world_from_environment * Vec3::X).distance(Vec3::NEG_X) < 1e-6);
+        assert!(scene.environment.sun.is_none() && matches!(scene.environment.base, DistantLight::Map(_)));
+        assert_eq!((scene.camera.resolution, scene.camera.vertical_fov_degrees), ([80, 60], 40.0));
+    }
+
+    #[test]
+    fn little_is_enough_and_lights_replace_the_default_environment() {
+        let scene = read(OBJECT).unwrap();
+        assert_eq!((scene.name.as_str(), scene.frame_count, scene.objects[0].sphere_count), ("s", 1, 64));
+        assert_eq!(scene.environment.radiance(Vec3::Y), Vec3::ONE);
+        let lit =
+            read(&format!("{OBJECT}[[light]]\nsphere = {{ center = [0, 3, 0], radius = 1 }}\nradiance = [1, 1, 1]"));
+        assert_eq!(lit.unwrap().environment.radiance(Vec3::Y), Vec3::ZERO);
+    }
+
+    #[test]
+    fn mistakes_are_named_with_file_line_and_what_is_known() {
+        for (addition, line, parts) in [
+            ("colour = [1, 1, 1]", 3, &["unknown field `colour`", "albedo", "keyframe"][..]),
+            ("albedo = [1, 1.1, 0]", 3, &["albedo", "[0, 1]"]),
+            ("albedo = [1, nan, 0]", 3, &["albedo"]),
+            ("albedo = [1, 1]", 3, &[]),
+            ("scale = 0", 3, &["scale", "positive"]),
+            ("scale = -1", 3, &["scale"]),
+            ("scale = inf", 3, &["scale"]),
+            ("\nspheres = -1", 4, &["spheres = -1", "0 to"]),
+            ("translate = [0, inf, 0]", 3, &["translate"]),
+            ("rotate = [0, 0, 0, 90]", 3, &["rotate", "axis"]),
+            ("mesh = \"x.obj\"", 1, &["either"]),
+            ("keyframe = []", 3, &["keyframe"]),
+            ("keyframe = [\n{ time = 1 },\n{ time = 1 }]", 5, &["time", "later"]),
+            ("scale = 1\nkeyframe = [{ time = 1 }]", 4, &["beside"]),
+            ("[environment]\nconstant = [1, -1, 1]", 4, &["constant", "not negative"]),
+            ("[environment]\nconstant = [1, 1, 1]\nimage = \"x.hdr\"", 3, &["one of: constant, image, sky"]),
+            ("[environment]", 3, &["one of: constant, image, sky"]),
+            ("[environment]\nimage = \"none.hdr\"", 4, &["none.hdr", "cannot be read"]),
+            ("[environment]\nimage = \"none.hdr\"\nprojection = \"ball\"", 5, &["ball", "latlong, angular"]),
+            ("[environment]\nconstant = [1, 1, 1]\nforward_degrees = 1", 5, &["belong to an image"]),
+            ("[environment]\nsky = { turbidity = 99 }", 4, &["turbidity", "10"]),
+            (
+                "[[light]]\nsphere = { center = [0, 0, 0], radius = 0 }\nradiance = [1, 1, 1]",
+                4,
+                &["radius", "positive"],
+            ),
+            ("[[light]]\nsphere = { center = [0, 0, 0], radius = 1 }\nradiance = [1, inf, 1]", 5, &["radiance"]),
+            ("[[light]]\nradiance = [1, 1, 1]", 3, &["missing field `sphere`"]),
+            ("[camera]\neye = [0, 1, 0]\ntarget = [0, 1, 0]", 5, &["target is its eye"]),
+            ("[camera]\neye = [0, 1, 0]\ntarget = [0, 0, 0]\nvertical_fov_degrees = 180", 6, &["between 0 and 180"]),
+            ("[camera]\neye = [0, 1, 0]\ntarget = [0, 0, 0]\nresolution = [0, 5]", 6, &["1 to 16384"]),
+            ("[animation]\nframes_per_sec = 0", 4, &["frames_per_sec"]),
+            ("[animation]\nframe_count = 0", 4, &["frame_count"]),
+            ("[[object]]\nshape = \"cow\"", 4, &["unknown shape `cow`", "torus"]),
+            ("[[object]]\nmesh = \"none.obj\"", 4, &["none.obj", "cannot be read"]),
+            ("= 3", 3, &[]),
+        ] {
+            let error = read(&format!("{OBJECT}{addition}")).unwrap_err();
+            let text = error.to_string();
+            assert!(text.starts_with(&format!("folder/s.toml:{line}: ")), "{addition:?}: {text}");
+            assert!(parts.iter().all(|part| text.contains(part)), "{addition:?}: {text}");
+        }
+        assert!(read("name = \"x\"").unwrap_err().to_string().contains("no objects"));
+    }
+
+    #[test]
+    fn unknown_top_level_keys_are_errors_too() {
+        let text = read(&format!("{OBJECT}[weather]\nrain = 1")).unwrap_err().to_string();
+        assert!(text.starts_with("folder/s.toml:3: ") && text.contains("animation"), "{text}");
+    }
+}

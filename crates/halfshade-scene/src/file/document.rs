@@ -1,0 +1,101 @@
+//! A scene file as it is written: every key, none checked yet.
+
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use toml::Spanned;
+
+/// Values keep their place in the file, so that errors can name the line.
+type At<T> = Option<Spanned<T>>;
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Document {
+    pub(super) name: Option<String>,
+    #[serde(default)]
+    pub(super) object: Vec<Spanned<ObjectTable>>,
+    pub(super) environment: At<EnvironmentTable>,
+    #[serde(default)]
+    pub(super) light: Vec<Spanned<LightTable>>,
+    pub(super) camera: At<CameraTable>,
+    pub(super) animation: Option<AnimationTable>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ObjectTable {
+    pub(super) name: Option<String>,
+    pub(super) mesh: At<String>,
+    pub(super) shape: At<String>,
+    pub(super) albedo: At<[f32; 3]>,
+    pub(super) spheres: At<i64>,
+    pub(super) clusters: At<i64>,
+    pub(super) translate: At<[f32; 3]>,
+    pub(super) rotate: At<[f32; 4]>,
+    pub(super) scale: At<f32>,
+    pub(super) keyframe: At<Vec<Spanned<KeyframeTable>>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct KeyframeTable {
+    pub(super) time: Spanned<f64>,
+    pub(super) translate: At<[f32; 3]>,
+    pub(super) rotate: At<[f32; 4]>,
+    pub(super) scale: At<f32>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct EnvironmentTable {
+    pub(super) constant: At<[f32; 3]>,
+    pub(super) image: At<String>,
+    pub(super) projection: At<String>,
+    pub(super) forward_degrees: At<f32>,
+    pub(super) sky: At<SkyTable>,
+    pub(super) turn_degrees_per_sec: At<f32>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SkyTable {
+    pub(super) sun_elevation_degrees: Option<f32>,
+    pub(super) sun_azimuth_degrees: Option<f32>,
+    pub(super) turbidity: Option<f32>,
+    pub(super) ground_albedo: Option<[f32; 3]>,
+    pub(super) sun: Option<bool>,
+    pub(super) resolution: Option<usize>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LightTable {
+    pub(super) sphere: SphereTable,
+    pub(super) radiance: Spanned<[f32; 3]>,
+    pub(super) keyframe: At<Vec<Spanned<KeyframeTable>>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SphereTable {
+    pub(super) center: Spanned<[f32; 3]>,
+    pub(super) radius: Spanned<f32>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CameraTable {
+    pub(super) eye: Spanned<[f32; 3]>,
+    pub(super) target: Spanned<[f32; 3]>,
+    pub(super) vertical_fov_degrees: At<f32>,
+    pub(super) resolution: At<[i64; 2]>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct AnimationTable {
+    pub(super) frames_per_sec: At<f64>,
+    pub(super) frame_count: At<i64>,
+}
+
+/// Meshes read so far, by path: objects that share a file share its mesh.
+pub(super) type Meshes = BTreeMap<std::path::PathBuf, std::sync::Arc<crate::Mesh>>;

@@ -1,0 +1,109 @@
+//! Scene files, and scenes around a mesh file.
+//!
+//! A scene file is TOML. Besides the keys below, none is allowed; one that is unknown is an error that names its line
+//! and the keys there are. Paths are relative to the scene file.
+//!
+//! ```toml
+//! name = "bunny"                    # default: the file's name
+//!
+//! [[object]]
+//! mesh = "bunny.obj"                # or shape = "sphere"|"plane"|"box"|..: see builtin::SHAPES
+//! name = "bunny"                    # default: the mesh's or the shape's name
+//! albedo = [0.7, 0.5, 0.4]          # in [0, 1]; default 0.8
+//! spheres = 64                      # leaf spheres; 0: receives only. Default 64, of a plane 0
+//! clusters = 0                      # receiver clusters; 0: left to the strategy
+//! translate = [0, 0, 0]
+//! rotate = [0, 1, 0, 30]            # axis, degrees
+//! scale = 1
+//! # instead of the last three, a movement:
+//! # keyframe = [{ time = 0, translate = [0, 0, 0] }, { time = 2, rotate = [0, 1, 0, 90], scale = 2 }]
+//!
+//! [environment]                     # default: constant [1, 1, 1], or none where there are lights
+//! constant = [1, 1, 1]
+//! # or image = "probe.hdr", projection = "latlong"|"angular", forward_degrees = 0: the centre, from -Z toward +X
+//! # or sky = { sun_elevation_degrees = 45, sun_azimuth_degrees = 135, turbidity = 3, ground_albedo = [0.2, 0.2, 0.2],
+//! #            sun = true, resolution = 128 }
+//! turn_degrees_per_sec = 0          # around +Y
+//!
+//! [[light]]
+//! sphere = { center = [0, 3, 0], radius = 0.5 }
+//! radiance = [10, 10, 10]
+//! # keyframe = [..]: moves the centre, scales the radius
+//!
+//! [camera]                          # default: the whole scene
+//! eye = [0, 1, 4]
+//! target = [0, 0.5, 0]
+//! vertical_fov_degrees = 40
+//! resolution = [800, 600]
+//!
+//! [animation]
+//! frames_per_sec = 30
+//! frame_count = 90                  # default: up to the last keyframe
+//! ```
+
+mod build;
+mod document;
+mod framing;
+mod source;
+
+use crate::{Environment, Material, Motion, Object, Pose, Scene, SceneError, builtin, mesh};
+use glam::Vec3;
+use source::Source;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Leaf spheres of an object that doesn't say how many.
+pub const DEFAULT_SPHERE_COUNT: usize = 64;
+
+/// Frames per second of a scene that doesn't say how many.
+pub const DEFAULT_FRAMES_PER_SEC: f64 = 30.0;
+
+/// Reads a scene file and all that it names; sphere sets are not built yet.
+pub fn load(path: &Path) -> Result<Scene, SceneError> {
+    let text = std::fs::read_to_string(path)
+        .map_err(|error| SceneError::new(format!("cannot be read: {error}")).in_file(path))?;
+    let source = Source::new(path, &text);
+    let document = source.parse()?;
+    build::scene(&source, document)
+}
+
+/// The scene of a mesh file by itself: the mesh at its own scale and place, a grey ground plane under its lowest point,
+/// a camera that sees all of it. The mesh casts shadows by [`DEFAULT_SPHERE_COUNT`] spheres.
+pub fn from_mesh(path: &Path, environment: Environment) -> Result<Scene, SceneError> {
+    let mesh = mesh::load(path)?;
+    let (min, max) = mesh.bounds().ok_or_else(|| SceneError::new("the mesh is empty").in_file(path))?;
+    let name = source::stem(path);
+    let center = 0.5 * (min + max);
+    let ground = Object {
+        name: "ground".to_owned(),
+        mesh: Arc::new(builtin::shapes::plane(128)),
+        material: Material { albedo: Vec3::splat(0.5) },
+        sphere_count: 0,
+        spheres: None,
+        cluster_count: 0,
+        motion: Motion::Still(Pose {
+            // Wide enough that the penumbra of a light 30 degrees high ends on it.
+            scale: 1.5 * (max - min).length(),
+            ..Pose::from_translation(Vec3::new(center.x, min.y, center.z))
+        }),
+    };
+    let object = Object {
+        name: name.clone(),
+        mesh: Arc::new(mesh),
+        material: Material { albedo: Vec3::splat(0.8) },
+        sphere_count: DEFAULT_SPHERE_COUNT,
+        spheres: None,
+        cluster_count: 0,
+        motion: Motion::Still(Pose::IDENTITY),
+    };
+    Ok(Scene {
+        name,
+        objects: vec![object, ground],
+        environment,
+        environment_turn_per_sec: 0.0,
+        lights: Vec::new(),
+        camera: framing::camera_on(min, max),
+        frames_per_sec: DEFAULT_FRAMES_PER_SEC,
+        frame_count: 1,
+    })
+}

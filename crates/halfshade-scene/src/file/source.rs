@@ -1,0 +1,43 @@
+//! The text of a scene file, and errors that name its lines.
+
+use super::document::Document;
+use crate::SceneError;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// A scene file's path and text.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Source<'a> {
+    pub(super) path: &'a Path,
+    text: &'a str,
+}
+
+impl<'a> Source<'a> {
+    pub(super) fn new(path: &'a Path, text: &'a str) -> Self {
+        Self { path, text }
+    }
+
+    pub(super) fn parse(&self) -> Result<Document, SceneError> {
+        toml::from_str(self.text).map_err(|error| match error.span() {
+            Some(span) => self.error(span, error.message()),
+            None => SceneError::new(error.message()).in_file(self.path),
+        })
+    }
+
+    /// An error about a piece of the text.
+    pub(super) fn error(&self, span: Range<usize>, problem: impl Into<String>) -> SceneError {
+        let before = &self.text.as_bytes()[..span.start.min(self.text.len())];
+        let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
+        SceneError::new(problem).in_file(self.path).at_line(line)
+    }
+
+    /// A path as the file means it: relative to the file.
+    pub(super) fn resolve(&self, path: &str) -> PathBuf {
+        self.path.parent().unwrap_or(Path::new("")).join(path)
+    }
+}
+
+/// A file's name without its extension.
+pub(super) fn stem(path: &Path) -> String {
+    path.file_stem().map_or_else(|| "scene".to_owned(), |stem| stem.to_string_lossy().into_owned())
+}
