@@ -43,11 +43,11 @@ pub(super) fn decode_hdr(bytes: &[u8]) -> Result<Image, SceneError> {
     // Not strict: `#?RGBE` is as common a first line as `#?RADIANCE`.
     let decoder = image::codecs::hdr::HdrDecoder::new_nonstrict(Cursor::new(bytes)).map_err(wrong)?;
     let metadata = decoder.metadata();
-    if let Some((_, format)) = metadata.custom_attributes.iter().find(|(key, _)| key == "FORMAT") {
-        if format.trim() != "32-bit_rle_rgbe" {
-            return Err(SceneError::new(format!("the pixel format `{}` is not supported", format.trim()))
-                .with_remedy("convert it to 32-bit_rle_rgbe"));
-        }
+    if let Some((_, format)) = metadata.custom_attributes.iter().find(|(key, _)| key == "FORMAT")
+        && format.trim() != "32-bit_rle_rgbe"
+    {
+        return Err(SceneError::new(format!("the pixel format `{}` is not supported", format.trim()))
+            .with_remedy("convert it to 32-bit_rle_rgbe"));
     }
     let (width, height) = (metadata.width as usize, metadata.height as usize);
     // A run of the old encoding repeats a pixel 255 times in 4 bytes.

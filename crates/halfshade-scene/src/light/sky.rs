@@ -74,7 +74,7 @@ impl Sky {
         if !(self.ground_albedo.min_element() >= 0.0 && self.ground_albedo.max_element() <= 1.0) {
             return wrong(format!("the ground's albedo is {}, outside [0, 1]", self.ground_albedo));
         }
-        if !(8..=4096).contains(&self.resolution) || self.resolution % 2 != 0 {
+        if !(8..=4096).contains(&self.resolution) || !self.resolution.is_multiple_of(2) {
             return wrong(format!("the sky's resolution is {}; it must be even, from 8 to 4096", self.resolution));
         }
         Ok(())
@@ -209,7 +209,7 @@ mod tests {
         }
     }
 
-    /// Irradiance of the sky on the ground: Gauss-free midpoint rule in the square of the sine, away from the map's grid.
+    /// Irradiance of the sky on the ground: the midpoint rule in the square of the sine, away from the map's grid.
     fn sky_irradiance(sky: &Sky) -> DVec3 {
         let model = Model::new(sky);
         let (rings, sectors) = (300, 600);

@@ -17,7 +17,11 @@ pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<RawMesh, SceneError> {
     if bytes.starts_with(b"glTF") {
         check_length(bytes)?;
     }
-    let Gltf { document, blob } = Gltf::from_slice(bytes).map_err(|error| SceneError::new(error.to_string()))?;
+    let wrong = |error: ::gltf::Error| SceneError::new(format!("this is no valid glTF: {error}"));
+    let Gltf { document, blob } = Gltf::from_slice_without_validation(bytes).map_err(wrong)?;
+    let json = document.into_json();
+    check_positions(&json)?;
+    let document = ::gltf::Document::from_json(json).map_err(wrong)?;
     for buffer in document.buffers() {
         if let ::gltf::buffer::Source::Uri(uri) = buffer.source() {
             check_uri(uri)?;
@@ -68,6 +72,17 @@ fn check_length(bytes: &[u8]) -> Result<(), SceneError> {
         Some(length) => Err(SceneError::new(format!("{length} bytes are declared, but the file has {}", bytes.len()))
             .with_remedy("the file was cut short or damaged: get it again")),
         None => Err(SceneError::new("the file ends within its header")),
+    }
+}
+
+/// Positions must name an accessor that exists: the crate's validation takes it for granted.
+fn check_positions(json: &::gltf::json::Root) -> Result<(), SceneError> {
+    let position = ::gltf::json::validation::Checked::Valid(Semantic::Positions);
+    let primitives = json.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    let mut accessors = primitives.filter_map(|primitive| primitive.attributes.get(&position));
+    match accessors.find(|accessor| accessor.value() >= json.accessors.len()) {
+        Some(accessor) => Err(SceneError::new(format!("accessor {} is named, but doesn't exist", accessor.value()))),
+        None => Ok(()),
     }
 }
 

@@ -14,13 +14,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<RawMesh, SceneError> {
     let text = String::from_utf8_lossy(bytes);
     let geometry = checked_geometry(&text)?;
     let mut lines = Lines { rest: geometry.text.as_bytes(), line: 0 };
-    let options = tobj::LoadOptions {
-        triangulate: true,
-        single_index: true,
-        ignore_points: true,
-        ignore_lines: true,
-        ..Default::default()
-    };
+    let options = tobj::LoadOptions { triangulate: true, single_index: true, ignore_points: true, ignore_lines: true };
     let (models, _) = tobj::load_obj_buf(&mut lines, &options, |_| Err(tobj::LoadError::OpenFileFailed))
         .map_err(|error| SceneError::new(error.to_string()).at_line(lines.line))?;
     let mut raw = RawMesh::default();
