@@ -6,12 +6,13 @@
 
 use crate::{
     batch::Batch,
+    directions::sin_cos_turns,
     points::{Scramble, unit_f64},
     receiver::Receiver,
 };
 use glam::{Mat3, Quat, Vec3};
 use halfshade_scene::light::EnvironmentMap;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 /// Luminance of Rec. 709 primaries.
 pub(crate) const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
@@ -27,6 +28,10 @@ pub(crate) struct MapSampler {
     rows: Vec<f64>,
     /// Each row's cumulative probability over columns, without the leading 0, row by row.
     columns: Vec<f32>,
+    /// Where to begin to look in `rows` and in each row of `columns`: for each of as many equal parts of [0, 1) as there
+    /// are entries, the first entry that ends past the part's beginning. A search then takes a step or two.
+    row_guide: Vec<u32>,
+    column_guide: Vec<u32>,
     /// Cosine of the polar angle at each row's upper edge, `height + 1` values.
     row_cosines: Vec<f64>,
     environment_from_world: Mat3,
@@ -81,6 +86,13 @@ impl MapSampler {
         if let Some(last) = rows.last().copied() {
             rows.iter_mut().filter(|row| **row == last).for_each(|row| *row = 1.0);
         }
+        let row_guide = guide(height, |row| rows[row + 1]);
+        let column_guide = (0..height)
+            .flat_map(|row| {
+                let edges = &columns[row * width..][..width];
+                guide(width, |column| f64::from(edges[column]))
+            })
+            .collect();
         let rotation = Mat3::from_quat(world_from_environment.normalize());
         Self {
             width,
@@ -88,6 +100,8 @@ impl MapSampler {
             texels,
             rows,
             columns,
+            row_guide,
+            column_guide,
             row_cosines: (0..=height).map(|row| (PI * row as f64 / height as f64).cos()).collect(),
             environment_from_world: rotation.transpose(),
             world_from_environment: rotation,
@@ -139,9 +153,10 @@ impl MapSampler {
             let (upper, lower) = (self.row_cosines[row], self.row_cosines[row + 1]);
             let cosine = upper + (lower - upper) * y_in_row;
             let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
-            let azimuth = TAU * ((column as f64 + x_in_column) / self.width as f64 - 0.5);
-            let (sin, cos) = azimuth.sin_cos();
-            let direction = Vec3::new((sine * sin) as f32, cosine as f32, (-sine * cos) as f32);
+            // Half a turn from where the columns begin: both sine and cosine change sign.
+            let (sin, cos) = sin_cos_turns(((column as f64 + x_in_column) / self.width as f64) as f32);
+            let sine = sine as f32;
+            let direction = Vec3::new(-sine * sin, cosine as f32, sine * cos);
             let direction = self.world_from_environment * direction;
             let cosine = direction.dot(normal).max(0.0);
             let [r, g, b, density] = self.texels[row * self.width + column];
@@ -152,17 +167,36 @@ impl MapSampler {
     }
 
     fn choose_row(&self, y: f64) -> (usize, f64) {
-        let row = self.rows.partition_point(|&edge| edge <= y).clamp(1, self.height) - 1;
+        let mut row = self.row_guide[(y * self.height as f64) as usize] as usize;
+        while row + 1 < self.height && self.rows[row + 1] <= y {
+            row += 1;
+        }
         let (low, high) = (self.rows[row], self.rows[row + 1]);
         (row, ((y - low) / (high - low)).clamp(0.0, 1.0))
     }
 
     fn choose_column(&self, row: usize, x: f64) -> (usize, f64) {
         let columns = &self.columns[row * self.width..][..self.width];
-        let column = columns.partition_point(|&edge| f64::from(edge) <= x).min(self.width - 1);
+        let mut column = self.column_guide[row * self.width + (x * self.width as f64) as usize] as usize;
+        while column + 1 < self.width && f64::from(columns[column]) <= x {
+            column += 1;
+        }
         let low = if column == 0 { 0.0 } else { f64::from(columns[column - 1]) };
         (column, ((x - low) / (f64::from(columns[column]) - low)).clamp(0.0, 1.0))
     }
+}
+
+/// For each of `count` equal parts of [0, 1), the first of `count` entries whose upper edge lies past its beginning.
+fn guide(count: usize, upper_edge: impl Fn(usize) -> f64) -> Vec<u32> {
+    let mut entry = 0;
+    (0..count)
+        .map(|part| {
+            while entry + 1 < count && upper_edge(entry) <= part as f64 / count as f64 {
+                entry += 1;
+            }
+            entry as u32
+        })
+        .collect()
 }
 
 /// The angle of the point (x, y) from the y axis towards the x axis, in turns from -1/2 to 1/2; absolute error below
@@ -188,6 +222,7 @@ mod tests {
     use glam::DVec3;
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg64Mcg;
+    use std::f64::consts::TAU;
 
     fn spotty_map() -> EnvironmentMap {
         let mut rng = Pcg64Mcg::seed_from_u64(5);

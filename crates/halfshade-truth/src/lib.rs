@@ -1,7 +1,36 @@
 //! Ray-traced truth with its own standard error.
 //!
-//! Direct light with shadows at diffuse receivers, by Monte Carlo integration over rays that obvhs traces. This crate
-//! shares no code with the strategies that it judges: a shared mistake would cancel out in the score.
+//! Outgoing radiance of diffuse receivers under direct light with shadows,
+//!
+//! ```text
+//! L = albedo/π · [ ∫ L_distant(ω) V(ω) max(n·ω, 0) dω + Σ over local lights ∫ L_light V(ω) max(n·ω, 0) dω ]
+//! ```
+//!
+//! in the units of the scene's radiance, one value and one standard error per receiver and channel. This crate shares no
+//! code with the strategies that it judges: a shared mistake would cancel out in the score.
+//!
+//! - **Geometry**: the meshes, all of them, both faces; or the sphere sets, each sphere adjusted to the receiver.
+//!   Their difference is the geometry error.
+//! - **Rays**: obvhs's wide hierarchy over boxes that are padded against rounding, and a watertight triangle test, in a
+//!   space where the scene has a fixed size about the origin.
+//! - **Light**: constant, map, sun and spheres are separate integrals. Maps are sampled by cosine and by radiance, wide
+//!   lights by solid angle and by cosine, combined with the balance heuristic.
+//! - **Noise**: Owen-scrambled Sobol points, sixteen independent scramblings per value whose spread is the standard
+//!   error, and the known unshadowed value as control variate.
+//! - **Limits**: single precision in tracing space resolves a millionth of half the scene's extent; nothing smaller casts
+//!   a shadow on what it touches. Where no sample is blocked although something is, the error reported is half a sample.
+//!
+//! ```
+//! use glam::Vec3;
+//! use halfshade_scene::{ReceiverBuffer, builtin, progress::Silent};
+//! use halfshade_truth::{Options, Tracer, estimate};
+//!
+//! let scene = builtin::scene("one-sphere").expect("built in");
+//! let mut receivers = ReceiverBuffer::default();
+//! receivers.push(Vec3::ZERO, Vec3::Y, Vec3::ONE, 0);
+//! let truth = estimate(&Tracer::new(&scene.frame(0)), receivers.view(), &Options::default(), &Silent);
+//! assert!(truth.radiance.at(0).is_finite() && truth.samples == 1024);
+//! ```
 
 mod batch;
 mod caps;
