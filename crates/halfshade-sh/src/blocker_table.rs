@@ -9,8 +9,10 @@ use crate::kernel::{LANES, MAX_BANDS};
 use crate::{zonal, zonal_algebra};
 use wide::f32x8;
 
-/// Intervals of a table: 4 bands then take 64 KiB. Relative error of a lookup is below 2e-4 where the logarithm's
-/// eigenvalues clip, 1e-6 elsewhere.
+/// Intervals of a table: 4 bands then take 64 KiB.
+///
+/// The worst relative error of a lookup is where the logarithm's eigenvalues reach the clip: 4e-5 at 4 bands, 5e-4 at
+/// 8. For blockers below 0.3 rad it is 2e-6.
 pub const INTERVALS: usize = 2048;
 
 /// u that stands for the limit at 0: small enough for the limit, large enough for `1 - u` to be exact.
@@ -150,7 +152,7 @@ mod tests {
             let blocker = worst(Quantity::BlockerMinusOne);
             assert!(blocker < 4e-6, "{bands}: {blocker}");
             let log = worst(Quantity::Logarithm { clip: DEFAULT_CLIP });
-            assert!(log < 5e-3, "{bands}: {log}");
+            assert!(log < if bands <= 6 { 1e-4 } else { 1e-3 }, "{bands}: {log}");
         }
         // Away from the clipping, small blockers are as accurate as f32.
         let small: Vec<f64> = sines.iter().copied().filter(|&s| s < 0.3).collect();

@@ -1,9 +1,26 @@
 //! Spherical and zonal harmonics: an f64 reference path beside batched f32 kernels.
+//!
+//! Mathematics only: no scene, no light, no renderer. Directions are `[x, y, z]` of unit length; the polar axis of the
+//! basis is +z; `n` bands have `n²` coefficients, index `l(l+1) + m`, with the Condon-Shortley factor inside
+//! [Guerrero2007, A].
+//!
+//! From a blocker to visibility:
+//! - [`zonal`]: the blocker of an angular radius in closed form, and its rotation to an axis;
+//! - [`logarithm`] and [`zonal_algebra`]: its logarithm in the truncated product algebra; [`blocker_table`] tabulates it;
+//! - [`exponential`]: from a sum of logarithms back to visibility: series, optimal-linear ([`optimal_linear`]), hybrid;
+//! - [`product`] and [`tripling`]: the SH product and its exact coefficients.
+//!
+//! From light: [`lat_long`] projects images, [`quadrature`] functions; [`rotation`] turns SH vectors; [`window`] tames
+//! ringing.
+//!
+//! Everything above is f64, for any number of bands, and plain. [`kernel`] holds its f32 twins for 1 to 8 bands, eight
+//! vectors side by side, tested against it.
 
 pub mod basis;
 pub mod blocker_table;
 pub mod exponential;
 pub mod kernel;
+pub mod lat_long;
 pub mod logarithm;
 pub mod optimal_linear;
 pub mod product;

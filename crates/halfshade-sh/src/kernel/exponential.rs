@@ -85,7 +85,7 @@ impl BatchExponential {
 
     /// Visibility from sums of log blockers, as [`Exponential::evaluate`].
     ///
-    /// Within 1e-5 of it relative to `sqrt(4π)`, for magnitudes up to several thousand. A lane that needs fewer
+    /// Within 1e-5 of it relative to `sqrt(4π)` for magnitudes of tens, 1e-4 for thousands. A lane that needs fewer
     /// squarings than its neighbours keeps its value through theirs.
     ///
     /// # Panics

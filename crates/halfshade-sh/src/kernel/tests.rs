@@ -122,6 +122,28 @@ fn exponentials_agree_with_f64() {
 }
 
 #[test]
+fn thousands_of_blockers_cost_one_digit() {
+    // Squaring values near 1 instead of their difference from 1 would lose more: 13 squarings double a rounding error 13 times.
+    let mut generator = Pcg64Mcg::seed_from_u64(5);
+    for method in [Method::Hybrid { magnitude_limit: 0.25 }, Method::Quadratic { magnitude_limit: 1.0 }] {
+        let exponential = Exponential::new(4, method, DEFAULT_CLIP);
+        let batch_exponential = BatchExponential::new(&exponential).unwrap();
+        // One direction repeated, so that half the sphere stays open however many there are.
+        let sums: [[f64; 16]; LANES] = std::array::from_fn(|lane| {
+            let log = zonal_algebra::logarithm(&zonal::blocker(4, 1.2f64.cos()), DEFAULT_CLIP);
+            let axis: [f64; 3] = std::array::from_fn(|_| generator.random_range(-1.0..1.0));
+            let length = crate::basis::magnitude(&axis);
+            let lobe = zonal::rotate_to_axis(&log, axis.map(|x| x / length));
+            std::array::from_fn(|i| f64::from((lobe[i] * (300 * lane) as f64) as f32))
+        });
+        let batch = batch_exponential.evaluate(&gather(&sums));
+        for (at, sum) in sums.iter().enumerate() {
+            assert_close(&lane(&batch, at), &exponential.evaluate(sum), 36.0);
+        }
+    }
+}
+
+#[test]
 fn neighbours_change_no_bit() {
     let mut generator = Pcg64Mcg::seed_from_u64(4);
     for method in methods() {
