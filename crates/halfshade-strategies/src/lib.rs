@@ -2,9 +2,11 @@
 //! or `halfshade-sh`.
 
 pub mod ray_traced;
+pub mod sh_exp;
 #[cfg(test)]
 mod test_scenes;
 pub mod unshadowed;
 
 pub use ray_traced::RayTraced;
+pub use sh_exp::ShExp;
 pub use unshadowed::Unshadowed;

@@ -87,7 +87,7 @@ mod tests {
             let (sine, cosine) = (sine_squared.sqrt() as f32, (1.0 - sine_squared).sqrt() as f32);
             for spoke in 0..spokes {
                 // Turned from ring to ring, lest spokes and columns keep step.
-                let turn = f64::from(spoke) / f64::from(spokes) + 0.618 * f64::from(ring);
+                let turn = f64::from(spoke) / f64::from(spokes) + 0.618_033_988_75 * f64::from(ring);
                 let (y, x) = (turn * TAU).sin_cos();
                 sum += map.radiance(sine * (x as f32 * t + y as f32 * b) + cosine * normal).as_dvec3();
             }

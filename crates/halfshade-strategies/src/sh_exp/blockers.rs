@@ -1,0 +1,174 @@
+//! The spheres that block, and what eight receivers at once see of each ([Guerrero2007, 4.2]).
+
+use glam::{DMat3, DVec3};
+use halfshade_scene::{Frame, spheres::{AdjustRule, FADE_HEIGHT}};
+use halfshade_strategy::StrategyError;
+use wide::f32x8;
+
+/// All spheres of a frame, in the space of the light: turned like the environment, so that its tables hold for every
+/// turn, and about a centre within the scene, so that single precision is spent on the scene alone.
+#[derive(Debug, Clone)]
+pub(super) struct Blockers {
+    pub(super) spheres: Vec<Blocker>,
+    /// Light space from world space: `rotation · (point - center)`.
+    pub(super) rotation: DMat3,
+    pub(super) center: DVec3,
+}
+
+/// One sphere in light space.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Blocker {
+    pub(super) center: [f32; 3],
+    pub(super) radius: f32,
+}
+
+impl Default for Blockers {
+    fn default() -> Self {
+        Self { spheres: Vec::new(), rotation: DMat3::IDENTITY, center: DVec3::ZERO }
+    }
+}
+
+impl Blockers {
+    pub(super) fn new(frame: &Frame<'_>) -> Result<Self, StrategyError> {
+        let mut spheres = Vec::new();
+        for (object, pose) in frame.scene.objects.iter().zip(&frame.world_from_object) {
+            if object.sphere_count == 0 {
+                continue;
+            }
+            let set = object.spheres.as_ref().ok_or_else(|| {
+                StrategyError::Failed(format!("object `{}` blocks but its sphere set is not built", object.name))
+            })?;
+            let rotation = pose.rotation.as_dquat();
+            spheres.extend(set.spheres.iter().map(|sphere| {
+                let center = rotation * (f64::from(pose.scale) * sphere.center.as_dvec3());
+                (center + pose.translation.as_dvec3(), pose.scale * sphere.radius)
+            }));
+        }
+        let center =
+            spheres.iter().map(|(center, _)| *center).sum::<DVec3>() / f64::from(spheres.len().max(1) as u32);
+        let rotation = DMat3::from_quat(frame.world_from_environment.as_dquat().normalize().conjugate());
+        let spheres = spheres
+            .into_iter()
+            .map(|(place, radius)| Blocker { center: (rotation * (place - center)).as_vec3().to_array(), radius })
+            .collect();
+        Ok(Self { spheres, rotation, center })
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(self.spheres.as_slice())
+    }
+}
+
+/// What eight receivers see of one sphere after the rules of [`halfshade_scene::spheres::adjust`], of which this is the
+/// branch-free single-precision twin.
+pub(super) struct Seen {
+    /// Unit direction to the adjusted sphere's centre.
+    pub(super) direction: [f32x8; 3],
+    /// Squared sine of its angular radius; exactly 0 where the sphere has no influence.
+    pub(super) sin_squared: f32x8,
+}
+
+impl Blocker {
+    /// What receivers at `position` with unit `normal` see, or `None` if none of the eight sees anything, in which case
+    /// every lane's `sin_squared` would be 0.
+    ///
+    /// Error of the direction and of sin²θ: some 1e-6 where the plane cuts the sphere well, growing as it becomes
+    /// tangent, where the rules' square roots magnify rounding (but what remains of the sphere is small there).
+    #[inline(always)]
+    pub(super) fn seen_from(&self, position: &[f32x8; 3], normal: &[f32x8; 3], rule: AdjustRule) -> Option<Seen> {
+        let radius = f32x8::splat(self.radius);
+        let offset: [f32x8; 3] = std::array::from_fn(|axis| f32x8::splat(self.center[axis]) - position[axis]);
+        let height = offset[0].mul_add(normal[0], offset[1].mul_add(normal[1], offset[2] * normal[2]));
+        let front = ((radius + height) * f32x8::splat(0.5)).max(f32x8::ZERO).min(radius);
+        if !front.simd_gt(f32x8::ZERO).any() {
+            return None;
+        }
+        let foot: [f32x8; 3] = std::array::from_fn(|axis| height.mul_neg_add(normal[axis], offset[axis]));
+        let foot_squared = foot[0].mul_add(foot[0], foot[1].mul_add(foot[1], foot[2] * foot[2]));
+        // Relative floor: where the plane does not cut, the quotient only has to be defined.
+        let floor = f32x8::splat((self.radius * self.radius * 1e-12).max(f32::MIN_POSITIVE));
+        let cut_squared = ((radius - height) * (radius + height)).max(floor);
+        let outside = (foot_squared / cut_squared).sqrt() - f32x8::ONE;
+        let fade = match rule {
+            AdjustRule::Continuous => height * f32x8::splat(1.0 / (FADE_HEIGHT as f32 * self.radius)),
+            AdjustRule::Published => height.simd_ge(f32x8::ZERO).select(f32x8::ONE, f32x8::ZERO),
+        };
+        let scale = outside.max(fade).max(f32x8::ZERO).min(f32x8::ONE);
+        let lifted = height.max(front);
+        let inverse_distance =
+            f32x8::ONE / lifted.mul_add(lifted, foot_squared).max(f32x8::splat(f32::MIN_POSITIVE)).sqrt();
+        let sine = (scale * front * inverse_distance).min(f32x8::ONE);
+        let direction = std::array::from_fn(|axis| lifted.mul_add(normal[axis], foot[axis]) * inverse_distance);
+        Some(Seen { direction, sin_squared: sine * sine })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use halfshade_scene::spheres::adjust;
+
+    #[test]
+    fn matches_the_double_precision_rules() {
+        let mut seed = 7u64;
+        let mut random = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 40) as f32 / (1u64 << 24) as f32 * 2.0 - 1.0
+        };
+        let (mut seen_count, mut hidden) = (0, 0);
+        for _ in 0..4_000 {
+            let radius = 0.05 + random().abs();
+            let center = [random() * 2.0, random() * 2.0, random() * 2.0];
+            let positions: [[f32; 8]; 3] = std::array::from_fn(|_| std::array::from_fn(|_| random()));
+            let normals: [DVec3; 8] = std::array::from_fn(|_| {
+                DVec3::new(f64::from(random()), f64::from(random()), f64::from(random())).normalize()
+            });
+            let normal: [f32x8; 3] =
+                std::array::from_fn(|axis| f32x8::from(std::array::from_fn::<f32, 8, _>(|i| normals[i][axis] as f32)));
+            let blocker = Blocker { center, radius };
+            for rule in [AdjustRule::Continuous, AdjustRule::Published] {
+                let seen = blocker.seen_from(&positions.map(f32x8::from), &normal, rule);
+                for lane in 0..8 {
+                    let offset = DVec3::from_array(std::array::from_fn(|k| f64::from(center[k] - positions[k][lane])));
+                    let exact_normal =
+                        DVec3::from_array(std::array::from_fn(|k| f64::from(normal[k].to_array()[lane]))).normalize();
+                    let sin_squared = seen.as_ref().map_or(0.0, |seen| f64::from(seen.sin_squared.to_array()[lane]));
+                    match adjust(rule, offset, f64::from(radius), exact_normal) {
+                        Some(exact) => {
+                            seen_count += 1;
+                            let expected = exact.sin_angular_radius().powi(2);
+                            assert!((sin_squared - expected).abs() < 2e-5, "{sin_squared} {expected}");
+                            let seen = seen.as_ref().expect("something is seen");
+                            let direction = DVec3::from_array(seen.direction.map(|c| f64::from(c.to_array()[lane])));
+                            assert!(direction.distance(exact.direction()) < 1e-4 || expected < 1e-6);
+                        }
+                        None => {
+                            hidden += 1;
+                            assert!(sin_squared < 1e-9);
+                        }
+                    }
+                }
+            }
+        }
+        assert!(seen_count > 10_000 && hidden > 5_000);
+    }
+
+    #[test]
+    fn defined_at_the_centre_on_the_surface_and_next_to_it() {
+        for radius in [1e-3f32, 1.0, 1e3] {
+            let blocker = Blocker { center: [0.0; 3], radius };
+            for distance in [0.0, 1e-7, 1.0 - 1e-7, 1.0, 1.0 + 1e-7] {
+                for sign in [-1.0, 1.0] {
+                    let position = [f32x8::ZERO, f32x8::splat(radius * distance * sign), f32x8::ZERO];
+                    let normal = [f32x8::ZERO, f32x8::ONE, f32x8::ZERO];
+                    for rule in [AdjustRule::Continuous, AdjustRule::Published] {
+                        if let Some(seen) = blocker.seen_from(&position, &normal, rule) {
+                            assert!(seen.direction.iter().all(|c| c.to_array()[0].is_finite()));
+                            assert!((0.0..=1.0).contains(&seen.sin_squared.to_array()[0]));
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,185 @@
+//! Soft shadows by summing the logarithms of spherical blockers in spherical harmonics, [Ren2006] as
+//! [Guerrero2007, 3.5 and 4.2] describes it.
+//!
+//! Every object is a set of spheres. A receiver sees each sphere, after the rules for spheres that contain it or cut its
+//! tangent plane, as a cap of some angular radius. The logarithm of the cap's blocker function is a zonal vector from a
+//! table; turned to the sphere's direction and summed over all spheres, its exponential is the visibility V:
+//!
+//! ```text
+//! V = exp(Σ log B_s)          L = albedo · L_ρ(n) · V
+//! ```
+//!
+//! `exp=product` multiplies the blockers one after another instead (eq. 4.6), which is what the logarithm approximates.
+//!
+//! **Bounds.** The exponential holds V to what a function with values in [0, 1] can be: `0 ≤ V_0 ≤ √4π` and
+//! `|V|² ≤ √4π V_0`. Outgoing radiance under distant light is therefore finite and at most `|L_ρ(n)| √4π` in magnitude;
+//! for constant light that is 1.64 times the unshadowed value. Such ringing is reported, not hidden, unless
+//! `clamp=on` holds each value between 0 and the unshadowed one. What the method leaves in practice is in the tests.
+//!
+//! **Limits.** Distant light only. Few bands blur shadows: the sun's shadow is as wide as the last band. Overlapping
+//! blockers multiply as if band-limited functions were exact, which leaves dense sets too bright or too dark.
+
+mod blockers;
+mod light_product;
+mod shade;
+
+use blockers::Blockers;
+use halfshade_scene::{
+    Frame, Progress, RadianceMut, Receivers, Scene, light::OctahedralGrid, spheres::AdjustRule,
+};
+use halfshade_sh::{
+    blocker_table::{BlockerTable, Quantity},
+    dispatch_bands,
+    exponential::{Exponential, Method},
+    kernel::BatchExponential,
+    logarithm,
+    window::Window,
+};
+use halfshade_strategy::{
+    Baked, Effect, Effects, Footprint, Info, Parameter, ParameterKind, Params, Strategy, StrategyError,
+};
+use light_product::LightProduct;
+
+/// The strategy.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct ShExp;
+
+const NO_LOCAL_LIGHTS: &str =
+    "local lights: the spherical harmonics of an infinitely distant light don't describe a light at a finite distance";
+
+impl Strategy for ShExp {
+    fn info(&self) -> Info {
+        let parameter = |name, summary, kind| Parameter { name, summary, kind };
+        let choice = |values, default| ParameterKind::Choice { values, default };
+        Info {
+            name: "sh-exp",
+            summary: "sum of log blockers of spheres in spherical harmonics, exponentiated",
+            source: "[Guerrero2007, 4.2]",
+            parameters: vec![
+                parameter(
+                    "exp",
+                    "how blockers combine: one product after another, or the exponential of the summed logarithms",
+                    choice(&["product", "series", "optimal-linear", "hybrid"], "hybrid"),
+                ),
+                parameter("bands", "bands of visibility", ParameterKind::Integer { default: 4, min: 1, max: 8 }),
+                parameter(
+                    "magnitude-limit",
+                    "hybrid: magnitude below which scaling stops and squaring starts",
+                    ParameterKind::Float { default: 2.0, min: 0.01, max: 100.0 },
+                ),
+                parameter("terms", "series: highest power", ParameterKind::Integer { default: 9, min: 1, max: 16 }),
+                parameter(
+                    "scaling",
+                    "series: whether to scale and square as the hybrid does; it diverges for many blockers if not",
+                    choice(&["off", "on"], "on"),
+                ),
+                parameter("window", "against ringing", choice(&["none", "hann", "lanczos"], "none")),
+                parameter(
+                    "clip",
+                    "smallest eigenvalue that the logarithm takes",
+                    ParameterKind::Float { default: logarithm::DEFAULT_CLIP, min: 1e-6, max: 0.5 },
+                ),
+                parameter(
+                    "rule",
+                    "spheres that cut the tangent plane: as published, or continuous",
+                    choice(&["continuous", "published"], "continuous"),
+                ),
+                parameter("clamp", "hold radiance between 0 and unshadowed", choice(&["off", "on"], "off")),
+                parameter(
+                    "normals",
+                    "cells from the centre of the table over normals to its side",
+                    ParameterKind::Integer { default: 32, min: 2, max: 128 },
+                ),
+            ],
+            effects: Effects::of(&[Effect::EnvironmentLight, Effect::ColouredLight, Effect::Motion]),
+        }
+    }
+
+    fn bake(&self, scene: &Scene, params: &Params, progress: &dyn Progress) -> Result<Box<dyn Baked>, StrategyError> {
+        if !scene.lights.is_empty() {
+            return Err(StrategyError::Unsupported(NO_LOCAL_LIGHTS.into()));
+        }
+        let bands = params.integer("bands") as usize;
+        let clip = params.float("clip");
+        let limit = params.float("magnitude-limit");
+        let method = match params.choice("exp") {
+            "series" => Some(Method::Series {
+                terms: params.integer("terms") as u32,
+                magnitude_limit: (params.choice("scaling") == "on").then_some(limit),
+            }),
+            "optimal-linear" => Some(Method::OptimalLinear),
+            "hybrid" => Some(Method::Hybrid { magnitude_limit: limit }),
+            _ => None,
+        };
+        progress.start("tables of blockers and light", 2);
+        let unsupported = || StrategyError::Failed(format!("{bands} bands: there are kernels for 1 to 8"));
+        let quantity = if method.is_some() { Quantity::Logarithm { clip } } else { Quantity::BlockerMinusOne };
+        let table = BlockerTable::build(bands, quantity).ok_or_else(unsupported)?;
+        let exponential = match method {
+            Some(method) => {
+                Some(BatchExponential::new(&Exponential::new(bands, method, clip)).ok_or_else(unsupported)?)
+            }
+            None => None,
+        };
+        progress.advance(1);
+        let window = match params.choice("window") {
+            "hann" => Window::Hann,
+            "lanczos" => Window::Lanczos,
+            _ => Window::None,
+        };
+        let grid = OctahedralGrid::new(params.integer("normals") as usize);
+        let light = LightProduct::new(bands, &scene.environment, grid, window);
+        progress.advance(1);
+        Ok(Box::new(Prepared {
+            bands,
+            rule: if params.choice("rule") == "published" { AdjustRule::Published } else { AdjustRule::Continuous },
+            clamp: params.choice("clamp") == "on",
+            table,
+            exponential,
+            light,
+            blockers: Blockers::default(),
+        }))
+    }
+}
+
+/// Tables of the scene, spheres and light of the frame.
+#[derive(Debug)]
+struct Prepared {
+    bands: usize,
+    rule: AdjustRule,
+    clamp: bool,
+    table: BlockerTable,
+    /// `None`: blockers are multiplied one after another.
+    exponential: Option<BatchExponential>,
+    light: LightProduct,
+    blockers: Blockers,
+}
+
+impl Baked for Prepared {
+    fn footprint(&self) -> Footprint {
+        Footprint {
+            parts: vec![
+                ("blockers by angular radius", self.table.bytes()),
+                ("light by normal", self.light.bytes()),
+                ("spheres", self.blockers.bytes()),
+            ],
+        }
+    }
+
+    fn prepare(&mut self, frame: &Frame<'_>) -> Result<(), StrategyError> {
+        if !frame.lights.is_empty() {
+            return Err(StrategyError::Unsupported(NO_LOCAL_LIGHTS.into()));
+        }
+        self.light.set(&frame.scene.environment);
+        self.blockers = Blockers::new(frame)?;
+        Ok(())
+    }
+
+    fn shade(&self, receivers: Receivers<'_>, out: RadianceMut<'_>) {
+        // `bake` made sure that there is a kernel for this number of bands.
+        let _: Option<()> = dispatch_bands!(self.bands, N => shade::shade::<N>(self, receivers, out));
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,94 @@
+//! The inner loops: eight receivers side by side, one sphere after another.
+
+use super::Prepared;
+use halfshade_scene::{RadianceMut, Receivers};
+use halfshade_sh::{
+    blocker_table::BlockerTable,
+    kernel::{self, BatchExponential, LANES, ShBatch},
+};
+use wide::f32x8;
+
+/// Shades all receivers. Each lane's result depends on its own receiver alone, so that batches may be split anywhere; the
+/// last group is filled up with copies of its last receiver.
+pub(super) fn shade<const N: usize>(prepared: &Prepared, receivers: Receivers<'_>, mut out: RadianceMut<'_>) {
+    let count = receivers.len();
+    let center = prepared.blockers.center;
+    let rotation = prepared.blockers.rotation.transpose().to_cols_array().map(|value| f32x8::splat(value as f32));
+    // Row `axis` of the rotation times a vector.
+    let turn = |v: [f32x8; 3]| -> [f32x8; 3] {
+        std::array::from_fn(|axis| {
+            rotation[3 * axis].mul_add(v[0], rotation[3 * axis + 1].mul_add(v[1], rotation[3 * axis + 2] * v[2]))
+        })
+    };
+    let mut start = 0;
+    while start < count {
+        let lanes = (count - start).min(LANES);
+        let load = |values: &[f32]| -> [f32; LANES] { std::array::from_fn(|i| values[start + i.min(lanes - 1)]) };
+        let position = turn(std::array::from_fn(|axis| {
+            // In double precision, because a scene may lie far from the origin.
+            f32x8::from(load(receivers.position[axis]).map(|x| (f64::from(x) - center[axis]) as f32))
+        }));
+        let normal = turn(receivers.normal.map(|axis| f32x8::from(load(axis))));
+        let visibility = match &prepared.exponential {
+            Some(exponential) => exponentiated::<N>(prepared, exponential, &position, &normal),
+            None => multiplied::<N>(prepared, &position, &normal),
+        };
+        let radiance = prepared.light.dot(&normal, &visibility, prepared.clamp);
+        for (channel, values) in radiance.into_iter().enumerate() {
+            let values = (values * f32x8::from(load(receivers.albedo[channel]))).to_array();
+            out.channels[channel][start..start + lanes].copy_from_slice(&values[..lanes]);
+        }
+        start += lanes;
+    }
+}
+
+/// exp(Σ log B) [Guerrero2007, eq. 4.7].
+#[inline(never)]
+fn exponentiated<const N: usize>(
+    prepared: &Prepared,
+    exponential: &BatchExponential,
+    position: &[f32x8; 3],
+    normal: &[f32x8; 3],
+) -> ShBatch<N> {
+    exponential.evaluate(&log_sum::<N>(prepared, &prepared.table, position, normal))
+}
+
+#[inline(never)]
+fn log_sum<const N: usize>(
+    prepared: &Prepared,
+    table: &BlockerTable,
+    position: &[f32x8; 3],
+    normal: &[f32x8; 3],
+) -> ShBatch<N> {
+    let mut sum = [f32x8::ZERO; N];
+    for blocker in &prepared.blockers.spheres {
+        // A sphere that no lane sees adds 0 to all of them: leaving it out changes no bit.
+        if let Some(seen) = blocker.seen_from(position, normal, prepared.rule) {
+            let scale = table.lookup(seen.sin_squared);
+            kernel::accumulate_lobe(seen.direction, &scale, &mut sum);
+        }
+    }
+    sum
+}
+
+/// B_1 * B_2 * .. one after another [Guerrero2007, eq. 4.6], held to the range of visibility after each.
+#[inline(never)]
+fn multiplied<const N: usize>(prepared: &Prepared, position: &[f32x8; 3], normal: &[f32x8; 3]) -> ShBatch<N> {
+    let mut visibility = [f32x8::ZERO; N];
+    visibility[0] = f32x8::splat((4.0 * std::f32::consts::PI).sqrt());
+    for blocker in &prepared.blockers.spheres {
+        if let Some(seen) = blocker.seen_from(position, normal, prepared.rule) {
+            let scale = prepared.table.lookup(seen.sin_squared);
+            let mut minus_cap = [f32x8::ZERO; N];
+            kernel::accumulate_lobe(seen.direction, &scale, &mut minus_cap);
+            // V*(1 - C) = V - V*C: a lane that sees nothing keeps its bits.
+            let blocked = kernel::product(&visibility, &minus_cap);
+            let mut next = visibility;
+            next.iter_mut().zip(blocked).for_each(|(value, blocked)| *value += blocked);
+            kernel::limit_to_visibility(&mut next);
+            let sees = seen.sin_squared.simd_gt(f32x8::ZERO);
+            visibility.iter_mut().zip(next).for_each(|(value, next)| *value = sees.select(next, *value));
+        }
+    }
+    visibility
+}
