@@ -1,5 +1,6 @@
 //! What a strategy is: the trait, its parameters, the effects it models, and the contract every strategy passes.
 
+pub mod contract;
 pub mod effects;
 pub mod params;
 pub mod strategy;

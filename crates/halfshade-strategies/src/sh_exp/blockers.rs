@@ -1,7 +1,10 @@
 //! The spheres that block, and what eight receivers at once see of each ([Guerrero2007, 4.2]).
 
 use glam::{DMat3, DVec3};
-use halfshade_scene::{Frame, spheres::{AdjustRule, FADE_HEIGHT}};
+use halfshade_scene::{
+    Frame,
+    spheres::{AdjustRule, FADE_HEIGHT},
+};
 use halfshade_strategy::StrategyError;
 use wide::f32x8;
 
@@ -44,8 +47,7 @@ impl Blockers {
                 (center + pose.translation.as_dvec3(), pose.scale * sphere.radius)
             }));
         }
-        let center =
-            spheres.iter().map(|(center, _)| *center).sum::<DVec3>() / f64::from(spheres.len().max(1) as u32);
+        let center = spheres.iter().map(|(center, _)| *center).sum::<DVec3>() / f64::from(spheres.len().max(1) as u32);
         let rotation = DMat3::from_quat(frame.world_from_environment.as_dquat().normalize().conjugate());
         let spheres = spheres
             .into_iter()
@@ -128,10 +130,9 @@ mod tests {
             let blocker = Blocker { center, radius };
             for rule in [AdjustRule::Continuous, AdjustRule::Published] {
                 let seen = blocker.seen_from(&positions.map(f32x8::from), &normal, rule);
-                for lane in 0..8 {
+                for (lane, lane_normal) in normals.iter().enumerate() {
                     let offset = DVec3::from_array(std::array::from_fn(|k| f64::from(center[k] - positions[k][lane])));
-                    let exact_normal =
-                        DVec3::from_array(std::array::from_fn(|k| f64::from(normal[k].to_array()[lane]))).normalize();
+                    let exact_normal = lane_normal.as_vec3().as_dvec3().normalize();
                     let sin_squared = seen.as_ref().map_or(0.0, |seen| f64::from(seen.sin_squared.to_array()[lane]));
                     match adjust(rule, offset, f64::from(radius), exact_normal) {
                         Some(exact) => {

@@ -117,12 +117,7 @@ impl LightProduct {
     /// Outgoing radiance of eight white receivers with unit `normal` in light space and visibility `visibility`. With
     /// `clamp`, each part is held between 0 and its unshadowed value.
     #[inline(always)]
-    pub(super) fn dot<const N: usize>(
-        &self,
-        normal: &[f32x8; 3],
-        visibility: &ShBatch<N>,
-        clamp: bool,
-    ) -> [f32x8; 3] {
+    pub(super) fn dot<const N: usize>(&self, normal: &[f32x8; 3], visibility: &ShBatch<N>, clamp: bool) -> [f32x8; 3] {
         let held = |value: f32x8, most: f32x8| if clamp { value.max(f32x8::ZERO).min(most) } else { value };
         let mut radiance = match &self.base {
             DistantLight::Constant(radiance) => {
@@ -174,9 +169,7 @@ impl LightProduct {
             let found = self.grid.lookup(Vec3::from(components.map(|axis| axis[lane])));
             let rows = found.nodes.map(|node| &self.table[node * row..(node + 1) * row]);
             for channel in 0..self.channels {
-                let [a, b, c] = rows.map(|row| -> &[f32; N] {
-                    row[channel * N..].first_chunk().unwrap_or(&[0.0; N])
-                });
+                let [a, b, c] = rows.map(|row| -> &[f32; N] { row[channel * N..].first_chunk().unwrap_or(&[0.0; N]) });
                 let [wa, wb, wc] = found.weights;
                 let mut partial = [0.0f32; 8];
                 for i in 0..N {

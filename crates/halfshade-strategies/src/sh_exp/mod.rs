@@ -24,9 +24,7 @@ mod light_product;
 mod shade;
 
 use blockers::Blockers;
-use halfshade_scene::{
-    Frame, Progress, RadianceMut, Receivers, Scene, light::OctahedralGrid, spheres::AdjustRule,
-};
+use halfshade_scene::{Frame, Progress, RadianceMut, Receivers, Scene, light::OctahedralGrid, spheres::AdjustRule};
 use halfshade_sh::{
     blocker_table::{BlockerTable, Quantity},
     dispatch_bands,
@@ -180,6 +178,3 @@ impl Baked for Prepared {
         let _: Option<()> = dispatch_bands!(self.bands, N => shade::shade::<N>(self, receivers, out));
     }
 }
-
-#[cfg(test)]
-mod tests;

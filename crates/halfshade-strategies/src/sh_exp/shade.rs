@@ -10,7 +10,7 @@ use wide::f32x8;
 
 /// Shades all receivers. Each lane's result depends on its own receiver alone, so that batches may be split anywhere; the
 /// last group is filled up with copies of its last receiver.
-pub(super) fn shade<const N: usize>(prepared: &Prepared, receivers: Receivers<'_>, mut out: RadianceMut<'_>) {
+pub(super) fn shade<const N: usize>(prepared: &Prepared, receivers: Receivers<'_>, out: RadianceMut<'_>) {
     let count = receivers.len();
     let center = prepared.blockers.center;
     let rotation = prepared.blockers.rotation.transpose().to_cols_array().map(|value| f32x8::splat(value as f32));

@@ -1,0 +1,38 @@
+//! Every strategy, and every exponential variant, against the contract.
+
+use halfshade_strategies::{RayTraced, ShExp, Unshadowed};
+use halfshade_strategy::{contract::Bounds, contract_tests};
+
+/// No visibility, no noise: what is left is the table over normals.
+const TABLE: Bounds = Bounds { constant: 1e-5, quadrature: 0.01, rotation: 0.005, brightening: 0.0 };
+
+contract_tests!(unshadowed, Unshadowed, "", TABLE);
+
+/// Noise: samples are turned neither with the scene nor with its number of blockers.
+const NOISE: Bounds = Bounds { constant: 1e-4, quadrature: 0.1, rotation: 0.25, brightening: 0.25 };
+
+contract_tests!(ray_traced_mis, RayTraced, "samples=256", Bounds { quadrature: 0.15, ..NOISE });
+contract_tests!(
+    ray_traced_light,
+    RayTraced,
+    "samples=512,sampling=light",
+    Bounds { quadrature: 0.3, constant: 0.1, ..NOISE }
+);
+// One ray in five hundred finds the sun.
+contract_tests!(
+    ray_traced_cosine,
+    RayTraced,
+    "samples=1024,sampling=cosine",
+    Bounds { quadrature: 0.8, rotation: 1.5, brightening: 1.5, ..NOISE }
+);
+
+/// Ringing of four bands under a sun: a blocker beside the sun may brighten its ray.
+const RINGING: Bounds = Bounds { constant: 1e-5, quadrature: 0.01, rotation: 0.005, brightening: 0.2 };
+
+contract_tests!(sh_exp_hybrid, ShExp, "exp=hybrid", RINGING);
+contract_tests!(sh_exp_product, ShExp, "exp=product", RINGING);
+contract_tests!(sh_exp_series, ShExp, "exp=series", RINGING);
+contract_tests!(sh_exp_bare_series, ShExp, "exp=series,scaling=off", Bounds { brightening: 2.0, ..RINGING });
+contract_tests!(sh_exp_optimal_linear, ShExp, "exp=optimal-linear", RINGING);
+contract_tests!(sh_exp_six_bands, ShExp, "exp=hybrid,bands=6,normals=16", RINGING);
+contract_tests!(sh_exp_clamped, ShExp, "exp=hybrid,clamp=on,rule=published,window=hann", RINGING);
