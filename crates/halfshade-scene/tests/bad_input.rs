@@ -184,6 +184,25 @@ fn garbage_empty_missing_and_unknown_files_are_named() {
 }
 
 #[test]
+fn a_gltf_with_its_buffer_beside_it_needs_all_of_it() {
+    let (positions, triangles) = tetrahedron();
+    let whole = glb(&positions, &triangles);
+    let json_length = u32::from_le_bytes(whole[12..16].try_into().unwrap()) as usize;
+    let json = String::from_utf8(whole[20..20 + json_length].to_vec()).unwrap();
+    let json = json.replace(r#"[{"byteLength":96}]"#, r#"[{"byteLength":96,"uri":"a%20b.bin"}]"#);
+    let folder = tempfile::tempdir().unwrap();
+    let path = written(&folder, "split.gltf", json.as_bytes());
+    assert!(load(&path).unwrap_err().to_string().contains("buffer"));
+    let buffer = &whole[20 + json_length + 8..];
+    written(&folder, "a b.bin", buffer);
+    assert!(mesh::Topology::of(&mesh::load(&path).unwrap()).is_solid());
+    written(&folder, "a b.bin", &buffer[..90]);
+    assert!(load(&path).unwrap_err().to_string().contains("buffer"));
+    written(&folder, "split.gltf", json.replace("%20", "%FF").as_bytes());
+    assert!(load(&path).unwrap_err().to_string().contains("UTF-8"));
+}
+
+#[test]
 fn impossible_radiance_and_shapes_of_probes_are_named() {
     for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -5.0] {
         let bytes = exr_bytes(8, 4, |x, y| if (x, y) == (5, 2) { [1.0, bad, 1.0] } else { [1.0; 3] });
@@ -223,7 +242,7 @@ fn scene_files_find_their_meshes_beside_them() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 3000, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
 
     /// Bytes changed, pieces removed, doubled or inserted: nothing panics, and errors name the file.
     #[test]

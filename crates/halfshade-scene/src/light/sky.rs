@@ -11,7 +11,7 @@ pub const KILOCANDELAS_PER_UNIT: f64 = 10.0;
 /// Angular radius of the sun in radians.
 const SUN_ANGULAR_RADIUS: f64 = 0.00465;
 
-/// Illuminance of the sun above the atmosphere, in klx ([Darula2005]).
+/// Illuminance of the sun above the atmosphere, in klx: the solar illuminance constant.
 const SUN_KILOLUX: f64 = 133.3;
 
 /// Wavelengths in µm that stand for red, green and blue light in the sun's extinction.
@@ -188,7 +188,7 @@ fn perez_function(&[a, b, c, d, e]: &[f64; 5], cos_zenith: f64, angle_to_sun: f6
     gradient * (1.0 + c * (d * angle_to_sun).exp() + e * angle_to_sun.cos().powi(2))
 }
 
-/// Linear Rec. 709 from CIE XYZ, white D65 ([IEC61966]).
+/// Linear Rec. 709 from CIE XYZ, white D65 (the matrix of IEC 61966-2-1).
 fn rec709_from_xyz() -> DMat3 {
     DMat3::from_cols(
         DVec3::new(3.2404542, -0.9692660, 0.0556434),
