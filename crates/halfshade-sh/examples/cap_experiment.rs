@@ -5,12 +5,14 @@
 //! spheres of one object are.
 
 use halfshade_sh::exponential::{self, Exponential, Method};
+use halfshade_sh::kernel::{self, CapBatch};
 use halfshade_sh::logarithm::DEFAULT_CLIP;
 use halfshade_sh::quadrature::SphereQuadrature;
 use halfshade_sh::{basis, zonal, zonal_algebra};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::f64::consts::PI;
+use wide::f32x8;
 
 type Cap = ([f64; 3], f64);
 
@@ -35,6 +37,19 @@ fn crowd(random: &mut Pcg64Mcg, count: usize) -> Vec<Cap> {
             (point.map(|x| x / length), random.random_range(0.08..0.25))
         })
         .collect()
+}
+
+/// `1 - Σ w_i cap_i` with the caps' exposed shares.
+fn by_shares(bands: usize, caps: &[Cap], points: usize) -> Vec<f64> {
+    let batch: Vec<CapBatch> = caps.iter().map(|&(direction, radius)| CapBatch::splat(direction, radius)).collect();
+    let mut shares = vec![f32x8::ZERO; caps.len()];
+    kernel::exposed_shares(&batch, points, &mut shares);
+    caps.iter().zip(shares).fold(basis::one(bands), |mut visibility, (&(axis, radius), share)| {
+        let share = f64::from(share.to_array()[0]);
+        let cap = zonal::rotate_to_axis(&zonal::cap(bands, radius.cos()), axis);
+        visibility.iter_mut().zip(cap).for_each(|(v, c)| *v -= share * c);
+        visibility
+    })
 }
 
 struct Form {
@@ -94,6 +109,9 @@ fn main() {
                     ),
                     ("full series".to_owned(), exponential::full_series(&logs)),
                 ];
+                for points in [4, 16] {
+                    results.push((format!("exposed shares, {points}"), by_shares(bands, &caps, points)));
+                }
                 results.extend(methods.iter().map(|(name, method)| (name.clone(), method.evaluate(&logs))));
                 for (at, (name, vector)) in results.into_iter().enumerate() {
                     if forms.len() <= at {

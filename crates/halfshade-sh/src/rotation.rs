@@ -16,7 +16,7 @@ impl ShRotation {
     /// The SH rotation that belongs to `rotation`: if `f` are the coefficients of f(s), the result has those of
     /// `f(R^{-1} s)`, the function turned by R.
     ///
-    /// By the recursion of Ivanic and Ruedenberg in the corrected form of 1998 [Ivanic1998], each band from the one
+    /// By the recursion of Ivanic and Ruedenberg in the corrected form of 1998 \[Ivanic1998\], each band from the one
     /// below and from band 1. Error grows slowly with the band: below 1e-12 at 16 bands.
     pub fn new(bands: usize, rotation: &Rotation3) -> Self {
         // Band 1 is (-y, z, -x); the recursion is written for (y, z, x), without the Condon-Shortley signs, which

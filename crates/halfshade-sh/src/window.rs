@@ -8,9 +8,9 @@ pub enum Window {
     /// No window: all factors 1.
     #[default]
     None,
-    /// `(1 + cos(π l/n))/2` [Dachsbacher2017].
+    /// `(1 + cos(π l/n))/2` \[Dachsbacher2017\].
     Hann,
-    /// `sin(π l/n)/(π l/n)` [Dachsbacher2017].
+    /// `sin(π l/n)/(π l/n)` \[Dachsbacher2017\].
     Lanczos,
     /// `1/(1 + λ l²(l+1)²)`: least squared Laplacian with weight λ >= 0.
     Laplacian {

@@ -6,11 +6,13 @@
 
 mod exponential;
 mod lane;
+mod shares;
 mod straight_line;
 mod table;
 
 pub use exponential::{BatchExponential, limit_to_visibility};
 pub use lane::Lane;
+pub use shares::{CapBatch, exposed_shares};
 pub use straight_line::{accumulate_lobe, basis, product, product_one, square, square_one};
 
 use wide::f32x8;
