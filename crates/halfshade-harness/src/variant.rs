@@ -62,7 +62,9 @@ pub fn sweep(experiment: &Experiment, strategies: &[Box<dyn Strategy>]) -> Resul
             experiment
                 .error_at(table.span().start, format!("[[strategy]] needs a `name`; known: {}", known(strategies)))
         })?;
-        let mut specs = vec![(table.get_ref()["name"].span().start, format!("{name}:"))];
+        let at_name = table.get_ref()["name"].span().start;
+        Variant::parse(strategies, name).map_err(|problem| experiment.error_at(at_name, problem))?;
+        let mut specs = vec![(at_name, format!("{name}:"))];
         for (key, value) in table.get_ref().iter().filter(|(key, _)| *key != "name") {
             let offset = value.span().start;
             let values = match value.get_ref() {
@@ -132,7 +134,7 @@ mod tests {
         let error = labels(&text.replace("factor", "colour")).unwrap_err();
         assert_eq!(error, "e.toml:9: strategy `dim`: unknown parameter `colour`; known: factor");
         let error = labels(&text.replace("\"dim\"\nfactor", "\"dimm\"\nfactor")).unwrap_err();
-        assert!(error.starts_with("e.toml:9: unknown strategy `dimm`; known: dim, black"), "{error}");
+        assert!(error.starts_with("e.toml:8: unknown strategy `dimm`; known: dim, black"), "{error}");
         assert!(labels(&text.replace("0.25", "7.0")).unwrap_err().contains("expected 0..=1"));
         assert!(labels(&text.replace("[0.5, 0.25]", "[]")).unwrap_err().contains("empty list"));
         assert!(labels(&text.replace("[0.5, 0.25]", "true")).unwrap_err().contains("a word, a number"));

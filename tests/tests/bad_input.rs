@@ -1,0 +1,101 @@
+//! Files that are missing, cut off, empty, or full of nonsense: a clear error, status 2, no panic, nothing left behind.
+
+mod common;
+
+use common::{folder, halfshade, names, refused};
+use std::fs;
+
+const TRIANGLES: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+
+/// A small Radiance HDR file, flat (not run-length encoded).
+fn hdr(width: usize, height: usize) -> Vec<u8> {
+    let mut bytes = format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {height} +X {width}\n").into_bytes();
+    bytes.extend([128u8, 128, 128, 129].repeat(width * height));
+    bytes
+}
+
+#[test]
+fn meshes_that_cannot_be_used() {
+    let here = folder();
+    let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+               element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n";
+    let cases: [(&str, Vec<u8>); 11] = [
+        ("empty.obj", Vec::new()),
+        ("points.obj", b"v 0 0 0\nv 1 0 0\n".to_vec()),
+        ("nan.obj", TRIANGLES.replace("v 1 0 0", "v nan 0 0").into()),
+        ("infinite.obj", TRIANGLES.replace("v 1 0 0", "v inf 0 0").into()),
+        ("index.obj", TRIANGLES.replace("f 2 3 4", "f 2 3 9").into()),
+        ("zero-area.obj", b"v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n".to_vec()),
+        ("cut.obj", TRIANGLES[..TRIANGLES.len() - 5].into()),
+        ("cut.ply", ply.into()),
+        ("cut.glb", b"glTF\x02\0\0\0\xff\xff\0\0".to_vec()),
+        ("nonsense.ply", vec![0xff; 64]),
+        ("format.stl", b"solid".to_vec()),
+    ];
+    for (name, bytes) in &cases {
+        fs::write(here.path().join(name), bytes).expect("written");
+        let error = refused(halfshade(here.path()).args(["spheres", name, "-n", "2", "-o", "set.json"]));
+        assert!(error.contains(name), "{name}: {error}");
+        assert!(!here.path().join("set.json").exists(), "{name}");
+        refused(halfshade(here.path()).args(["truth", name, "--resolution", "4x4", "-o", "t.exr"]));
+    }
+    assert!(refused(halfshade(here.path()).args(["spheres", "none.obj", "-n", "2"])).contains("none.obj"));
+    assert_eq!(names(here.path()).len(), cases.len());
+}
+
+#[test]
+fn lights_that_cannot_be_used() {
+    let here = folder();
+    fs::write(here.path().join("a.obj"), TRIANGLES).expect("written");
+    let whole = hdr(16, 8);
+    let cases: [(&str, Vec<u8>); 5] = [
+        ("empty.hdr", Vec::new()),
+        ("cut.hdr", whole[..whole.len() / 2].to_vec()),
+        ("shape.hdr", hdr(16, 5)),
+        ("cut.exr", b"\x76\x2f\x31\x01\x02\0\0\0chan".to_vec()),
+        ("nonsense.exr", vec![7; 100]),
+    ];
+    for (name, bytes) in &cases {
+        fs::write(here.path().join(name), bytes).expect("written");
+        let arguments = ["truth", "a.obj", "--env", name, "--resolution", "4x4", "-o", "t.exr"];
+        assert!(refused(halfshade(here.path()).args(arguments)).contains(name), "{name}");
+    }
+    let error = refused(halfshade(here.path()).args(["truth", "a.obj", "--env", "moon", "-o", "t.exr"]));
+    assert!(error.contains("`sky`, `constant`"), "{error}");
+    let error = refused(halfshade(here.path()).args(["truth", "one-sphere", "--env", "sky", "-o", "t.exr"]));
+    assert!(error.contains("own light"), "{error}");
+    assert!(!here.path().join("t.exr").exists());
+    fs::write(here.path().join("whole.hdr"), &whole).expect("written");
+    let arguments = ["truth", "a.obj", "--env", "whole.hdr", "--resolution", "4x4", "--samples", "16", "-o", "t.exr"];
+    halfshade(here.path()).args(arguments).assert().success();
+}
+
+#[test]
+fn scene_files_with_mistakes_name_file_and_line() {
+    let here = folder();
+    let sound = "[[object]]\nshape = \"sphere\"\nalbedo = [0.5, 0.5, 0.5]\nspheres = 1\nscale = 1\n\
+                 [environment]\nconstant = [1, 1, 1]\n";
+    let cases = [
+        ("scale = 1", "scale = 0", 5),
+        ("scale = 1", "scale = -2", 5),
+        ("[0.5, 0.5, 0.5]", "[0.5, 0.5, 1.5]", 3),
+        ("constant = [1, 1, 1]", "constant = [1, nan, 1]", 7),
+        ("constant = [1, 1, 1]", "constant = [1, -1, 1]", 7),
+        ("constant = [1, 1, 1]", "constant = [1, inf, 1]", 7),
+        ("spheres = 1", "sphere = 1", 4),
+        ("\"sphere\"", "\"spere\"", 2),
+        ("spheres = 1", "spheres = -1", 4),
+    ];
+    for (from, to, line) in cases {
+        fs::write(here.path().join("bad.toml"), sound.replace(from, to)).expect("written");
+        let error = refused(halfshade(here.path()).args(["truth", "bad.toml", "--resolution", "4x4", "-o", "t.exr"]));
+        assert!(error.contains(&format!("bad.toml:{line}: ")), "{to}: {error}");
+    }
+    fs::write(here.path().join("missing.toml"), sound.replace("shape = \"sphere\"", "mesh = \"none.obj\""))
+        .expect("written");
+    let error = refused(halfshade(here.path()).args(["truth", "missing.toml", "-o", "t.exr"]));
+    assert!(error.contains("none.obj"), "{error}");
+    fs::write(here.path().join("good.toml"), sound).expect("written");
+    let arguments = ["truth", "good.toml", "--resolution", "4x4", "--samples", "16", "-o", "t.exr"];
+    halfshade(here.path()).args(arguments).assert().success();
+}

@@ -1,0 +1,265 @@
+//! The command line as a contract: what goes in, what comes out, how mistakes are answered.
+
+mod common;
+
+use common::{folder, halfshade, names, refused, stdout};
+use serde_json::Value;
+use std::{fs, path::Path};
+
+const SMALL: &str = r#"
+name = "small"
+claim = "none"
+references = ["mesh", "spheres"]
+[truth]
+samples = 16
+[timing]
+warm_up = 1
+repeats = 3
+[pictures]
+resolution = [24, 16]
+[[scene]]
+name = "one-sphere"
+[[strategy]]
+name = "unshadowed"
+[[strategy]]
+name = "ray-traced"
+samples = [1, 4]
+"#;
+
+fn write(folder: &Path, name: &str, text: &str) {
+    fs::write(folder.join(name), text).expect("written");
+}
+
+#[test]
+fn help_and_version_go_to_stdout_and_usage_errors_end_with_2() {
+    let here = folder();
+    assert!(stdout(halfshade(here.path()).arg("--help")).contains("Usage: halfshade"));
+    assert!(stdout(halfshade(here.path()).arg("--version")).starts_with("halfshade 0."));
+    for arguments in [&[][..], &["dance"], &["list"], &["list", "poems"], &["run"], &["spheres", "a.obj", "-n", "0"]] {
+        halfshade(here.path()).args(arguments).assert().code(2).stdout("");
+    }
+    refused(halfshade(here.path()).args(["--threads", "0", "list", "scenes"]));
+}
+
+#[test]
+fn lists_name_every_parameter_for_people_and_programs() {
+    let here = folder();
+    let text = stdout(halfshade(here.path()).args(["list", "strategies"]));
+    assert!(text.contains("ray-traced") && text.contains("samples = "), "{text}");
+    let json: Value =
+        serde_json::from_str(&stdout(halfshade(here.path()).args(["list", "strategies", "--json"]))).unwrap();
+    for strategy in json.as_array().unwrap() {
+        for parameter in strategy["parameters"].as_array().unwrap() {
+            for key in ["name", "summary", "type", "default", "range"] {
+                assert!(!parameter[key].is_null(), "{key} of {parameter}");
+            }
+        }
+    }
+    let scenes: Value =
+        serde_json::from_str(&stdout(halfshade(here.path()).args(["list", "scenes", "--json"]))).unwrap();
+    for name in ["vases", "ducks", "squirrel-and-balls"] {
+        assert!(scenes.as_array().unwrap().iter().any(|scene| scene["name"] == name), "{name}");
+    }
+}
+
+#[test]
+fn an_experiment_runs_checks_reports_and_resumes() {
+    let here = folder();
+    write(here.path(), "small.toml", SMALL);
+    let table = stdout(halfshade(here.path()).args(["run", "small.toml"]));
+    assert!(table.contains("### one-sphere, frame 0") && table.contains("Where the error comes from"), "{table}");
+    let out = here.path().join("out/small");
+    assert_eq!(names(&out), ["pictures", "plots", "report.md", "results.csv", "results.json"]);
+    let text = fs::read_to_string(out.join("results.json")).unwrap();
+    let json: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(json["schema"], "halfshade.results/1");
+    let runs = json["runs"].as_array().unwrap();
+    // One row for the spheres themselves, then three strategies against two references.
+    assert_eq!(runs.len(), 1 + 3 * 2);
+    for run in &runs[1..] {
+        assert_eq!(run["status"], "ok", "{run}");
+        assert_eq!(run["time"]["samples"].as_array().unwrap().len(), 3);
+        assert!(run["time"]["frames_per_sec"].as_f64().unwrap() > 0.0);
+        assert!(run["error"]["rmse"].as_f64().unwrap() > 0.0);
+    }
+    let against_mesh = runs.iter().filter(|run| run["error"]["reference"] == "mesh" && run["strategy"] != "reference");
+    assert!(against_mesh.clone().count() == 3 && against_mesh.clone().all(|run| run["error"]["ssim"].is_number()));
+    for picture in json["pictures"].as_array().unwrap() {
+        assert!(
+            out.join(picture["png"].as_str().unwrap()).exists() && out.join(picture["exr"].as_str().unwrap()).exists()
+        );
+    }
+    assert_eq!(fs::read_to_string(out.join("results.csv")).unwrap().lines().count(), 1 + runs.len());
+
+    for (format, start) in
+        [("md", "# small"), ("csv", "scene,frame"), ("latex", "% halfshade "), ("html", "<!DOCTYPE html>")]
+    {
+        let report = stdout(halfshade(here.path()).args(["report", "out/small", "--format", format]));
+        assert!(report.starts_with(start), "{format}: {report}");
+    }
+
+    // The same program finds the same errors; a baseline that was better makes it fail, and says what moved.
+    let check = ["check", "small.toml", "--baseline", "base.json"];
+    fs::copy(out.join("results.json"), here.path().join("base.json")).unwrap();
+    let verdict = stdout(halfshade(here.path()).args(check));
+    assert!(verdict.contains("7 errors compared, 0 failed") && !verdict.contains("| "), "{verdict}");
+    let mut better = json.clone();
+    let rmse = better["runs"][1]["error"]["rmse"].as_f64().unwrap();
+    better["runs"][1]["error"]["rmse"] = (0.5 * rmse).into();
+    write(here.path(), "base.json", &better.to_string());
+    let failed = halfshade(here.path()).args(check).assert().code(1).get_output().clone();
+    let table = String::from_utf8(failed.stdout).unwrap();
+    assert!(table.contains("FAILED: error grew") && table.contains("1 failed"), "{table}");
+
+    // Resuming something else, or from a damaged journal, is refused; nothing to resume starts anew.
+    write(&out, "journal.jsonl", "{\"schema\":");
+    let error = refused(halfshade(here.path()).args(["run", "small.toml", "--resume"]));
+    assert!(error.contains("journal.jsonl"), "{error}");
+    assert_eq!(fs::read_to_string(out.join("results.json")).unwrap(), text, "refusing must leave results alone");
+}
+
+#[test]
+fn an_interrupted_run_goes_on_where_it_was() {
+    let here = folder();
+    write(here.path(), "small.toml", SMALL);
+    // Interrupted at the first picture: its folder is taken by a file.
+    let out = here.path().join("out/small");
+    fs::create_dir_all(out.join("plots")).unwrap();
+    fs::write(out.join("pictures"), "in the way").unwrap();
+    refused(halfshade(here.path()).args(["run", "small.toml"]));
+    assert!(out.join("journal.jsonl").exists() && !out.join("results.json").exists());
+    fs::remove_file(out.join("pictures")).unwrap();
+    // Interrupted at the first plot, when everything is measured.
+    fs::remove_dir(out.join("plots")).unwrap();
+    fs::write(out.join("plots"), "in the way").unwrap();
+    refused(halfshade(here.path()).args(["run", "small.toml", "--resume"]));
+    let journal = fs::read_to_string(out.join("journal.jsonl")).unwrap();
+    let samples = journal.lines().filter(|line| line.starts_with("{\"timed\"")).count();
+    assert_eq!(samples, 9);
+    fs::remove_file(out.join("plots")).unwrap();
+    // Killed while writing: two samples and half a line are gone.
+    let keep: Vec<&str> = journal.lines().collect();
+    fs::write(out.join("journal.jsonl"), format!("{}\n{{\"timed\":{{\"ke", keep[..keep.len() - 2].join("\n"))).unwrap();
+    stdout(halfshade(here.path()).args(["run", "small.toml", "--resume"]));
+    let json: Value = serde_json::from_str(&fs::read_to_string(out.join("results.json")).unwrap()).unwrap();
+    let runs = json["runs"].as_array().unwrap();
+    assert!(runs[1..].iter().all(|run| run["time"]["samples"].as_array().unwrap().len() == 3));
+    // What was timed before was kept, not measured again.
+    let timed = keep.iter().filter(|line| line.starts_with("{\"timed\""));
+    let timed: Vec<Value> = timed.map(|line| serde_json::from_str(line).unwrap()).collect();
+    let first = timed.iter().find(|entry| entry["timed"]["key"].as_str().unwrap().contains("unshadowed")).unwrap();
+    assert_eq!(runs[1]["time"]["samples"][0], first["timed"]["sample"]);
+    assert_eq!(names(&out), ["pictures", "plots", "report.md", "results.csv", "results.json"]);
+}
+
+#[test]
+fn mistakes_in_experiments_name_the_line_and_leave_nothing_behind() {
+    let here = folder();
+    let cases = [
+        ("samples = 16", "sampels = 16", "bad.toml:6: unknown field `sampels`"),
+        (
+            "name = \"ray-traced\"",
+            "name = \"raytraced\"",
+            "bad.toml:17: unknown strategy `raytraced`; known: unshadowed, ray-traced",
+        ),
+        ("samples = [1, 4]", "samples = [1, 0]", "bad.toml:18: "),
+        ("samples = [1, 4]", "rays = 4", "bad.toml:18: strategy `ray-traced`: unknown parameter `rays`; known: "),
+        ("\"one-sphere\"", "\"two-spheres\"", "bad.toml:13: "),
+        ("[[scene]]", "frames = [9999]\n[[scene]]", "unknown field"),
+        ("claim = \"none\"", "claim = \"none\"\nframes = [99999]", "there is no frame 99999"),
+        ("[\"mesh\", \"spheres\"]", "[\"cubes\"]", "bad.toml:4: unknown reference `cubes`"),
+        ("repeats = 3", "repeats = 0", "bad.toml:9: "),
+    ];
+    for (from, to, expected) in cases {
+        write(here.path(), "bad.toml", &SMALL.replace(from, to));
+        let error = refused(halfshade(here.path()).args(["run", "bad.toml"]));
+        assert!(error.contains(expected), "{to}: {error}");
+    }
+    assert!(refused(halfshade(here.path()).args(["run", "none.toml"])).contains("none.toml: cannot read"));
+    assert_eq!(names(here.path()), ["bad.toml"]);
+}
+
+#[test]
+fn pictures_have_the_layers_and_size_asked_for() {
+    let here = folder();
+    let size = ["--resolution", "20x10"];
+    halfshade(here.path())
+        .args(["render", "one-sphere", "--strategy", "unshadowed", "-o", "a.exr"])
+        .args(size)
+        .assert()
+        .success();
+    let text =
+        stdout(halfshade(here.path()).args(["truth", "one-sphere", "--samples", "16", "-o", "t.exr"]).args(size));
+    assert!(text.contains("rms_standard_error: "), "{text}");
+    halfshade(here.path())
+        .args(["render", "one-sphere", "--strategy", "ray-traced:samples=2", "--receivers", "vertices", "-o", "b.png"])
+        .args(size)
+        .assert()
+        .success();
+    let channels = |name: &str| {
+        let image = exr::prelude::read_all_data_from_file(here.path().join(name)).unwrap();
+        assert_eq!((image.layer_data.len(), image.layer_data[0].size.x(), image.layer_data[0].size.y()), (1, 20, 10));
+        image.layer_data[0].channel_data.list.iter().map(|channel| channel.name.to_string()).collect::<Vec<_>>()
+    };
+    assert_eq!(channels("a.exr"), ["B", "G", "R"]);
+    assert_eq!(channels("t.exr"), ["B", "G", "R", "stderr.B", "stderr.G", "stderr.R"]);
+    assert_eq!(&fs::read(here.path().join("b.png")).unwrap()[1..4], b"PNG");
+    assert_eq!(names(here.path()), ["a.exr", "b.png", "t.exr"]);
+}
+
+#[test]
+fn bad_requests_for_pictures_are_refused_before_any_work() {
+    let here = folder();
+    let render = |arguments: &[&str]| {
+        refused(halfshade(here.path()).arg("render").args(arguments).args(["--resolution", "8x8"]))
+    };
+    assert!(render(&["one-sphere", "--strategy", "magic"]).contains("known: unshadowed, ray-traced"));
+    assert!(render(&["one-sphere", "--strategy", "ray-traced:samples=none"]).contains("expected 1..="));
+    assert!(render(&["no-sphere", "--strategy", "unshadowed"]).contains("vases"));
+    assert!(render(&["one-sphere", "--strategy", "unshadowed", "-o", "a.jpg"]).contains(".exr or .png"));
+    assert!(render(&["one-sphere", "--strategy", "unshadowed", "-o", "none/a.exr"]).contains("cannot write"));
+    assert!(render(&["one-sphere", "--strategy", "unshadowed", "-o", "."]).contains(".exr or .png"));
+    assert!(render(&["one-sphere", "--strategy", "unshadowed", "--frame", "99999"]).contains("no frame"));
+    assert!(render(&["one-sphere", "--strategy", "unshadowed", "--background", "nan"]).contains("not negative"));
+    assert!(refused(halfshade(here.path()).args(["truth", "one-sphere", "--samples", "0"])).contains("0"));
+    assert_eq!(names(here.path()), [""; 0]);
+}
+
+#[test]
+fn an_output_that_cannot_be_written_ends_with_2_and_leaves_nothing() {
+    let here = folder();
+    write(here.path(), "small.toml", SMALL);
+    write(here.path(), "taken", "a file");
+    let error = refused(halfshade(here.path()).args(["run", "small.toml", "--out", "taken/out"]));
+    assert!(error.contains("taken/out") && error.contains("cannot create"), "{error}");
+    // Always full.
+    if Path::new("/dev/full").exists() {
+        fs::create_dir(here.path().join("full")).unwrap();
+        std::os::unix::fs::symlink("/dev/full", here.path().join("full/a.exr")).unwrap();
+        let render = ["render", "one-sphere", "--strategy", "unshadowed", "--resolution", "8x8", "-o", "full/a.exr"];
+        let error = refused(halfshade(here.path()).args(render));
+        assert!(error.contains("a.exr: cannot write"), "{error}");
+        assert_eq!(names(&here.path().join("full")), ["a.exr"]);
+        let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+        let output = std::process::Command::new(env!("CARGO_BIN_EXE_halfshade-under-test"))
+            .args(["list", "scenes"])
+            .stdout(full)
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(2));
+    }
+    assert!(!here.path().join("out").exists());
+}
+
+#[test]
+fn damaged_results_are_refused_by_name() {
+    let here = folder();
+    write(here.path(), "results.json", "{\"schema\": \"halfshade.results/1\", \"runs\": [");
+    for arguments in [&["report", "."][..], &["report", "results.json", "--format", "csv"]] {
+        assert!(refused(halfshade(here.path()).args(arguments)).contains("results.json"));
+    }
+    write(here.path(), "small.toml", SMALL);
+    let error = refused(halfshade(here.path()).args(["check", "small.toml", "--baseline", "results.json"]));
+    assert!(error.contains("results.json:1") && error.contains("damaged"), "{error}");
+    assert!(refused(halfshade(here.path()).args(["report", "nowhere"])).contains("nowhere: cannot read"));
+}

@@ -1,0 +1,111 @@
+//! The main job on real meshes and real light: every file of the shared asset folder, where there is one.
+//!
+//! Every mesh gets four spheres, every mesh under one probe and every probe over one mesh are run through truth and strategies.
+//! HALFSHADE_ASSETS moves the folder; without it, `shared/assets` beside this repository is looked for.
+
+mod common;
+
+use common::{folder, halfshade, stdout};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+fn assets() -> Option<PathBuf> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let places = [
+        std::env::var_os("HALFSHADE_ASSETS").map(PathBuf::from),
+        Some(root.join("../shared/assets")),
+        Some(root.join("../../shared/assets")),
+        Some(root.join("../../../shared/assets")),
+    ];
+    places.into_iter().flatten().find(|place| place.join("meshes").is_dir())
+}
+
+/// The files in `folder` with one of these endings, in order.
+fn files(folder: &Path, endings: &[&str]) -> Vec<PathBuf> {
+    let mut found: Vec<PathBuf> = fs::read_dir(folder)
+        .expect("a folder")
+        .map(|entry| entry.expect("an entry").path())
+        .filter(|path| path.extension().is_some_and(|ending| endings.iter().any(|known| ending == *known)))
+        .map(|path| path.canonicalize().expect("a path"))
+        .collect();
+    found.sort();
+    found
+}
+
+#[test]
+#[expect(clippy::print_stderr, reason = "whoever reads the test's output should know that it tested nothing")]
+fn every_mesh_and_every_probe_runs() {
+    let Some(assets) = assets() else {
+        eprintln!("skipped: no shared/assets beside the repository, and HALFSHADE_ASSETS is not set");
+        return;
+    };
+    let here = folder();
+    let meshes = files(&assets.join("meshes"), &["obj", "ply", "glb", "gltf"]);
+    let probes = files(&assets.join("envmaps"), &["hdr", "exr"]);
+    assert!(!meshes.is_empty() && !probes.is_empty());
+
+    let mut experiment = String::from(
+        "name = \"assets\"\nclaim = \"real meshes under real light run\"\nreferences = [\"mesh\", \"spheres\"]\n\
+         receivers = [\"pixels\"]\n[truth]\nsamples = 16\n[pictures]\nresolution = [24, 18]\nstrategies = []\n\
+         [[strategy]]\nname = \"unshadowed\"\n[[strategy]]\nname = \"ray-traced\"\nsamples = 4\n",
+    );
+    // A scene file for each pair, with few spheres: fitting many is tested elsewhere.
+    let pairs = (0..meshes.len().max(probes.len())).map(|i| (&meshes[i % meshes.len()], &probes[i % probes.len()]));
+    for (mesh, probe) in pairs {
+        let name = mesh.file_stem().expect("a name").to_string_lossy().into_owned();
+        let projection = if probe.to_string_lossy().contains("angular") { "angular" } else { "latlong" };
+        let scene = format!(
+            "name = \"{name}\"\n[[object]]\nmesh = {mesh:?}\nspheres = 4\n[environment]\nimage = {probe:?}\n\
+             projection = \"{projection}\"\n"
+        );
+        fs::write(here.path().join(format!("{name}.toml")), scene).expect("written");
+        experiment += &format!("[[scene]]\nname = \"{name}.toml\"\n");
+    }
+    fs::write(here.path().join("assets.toml"), experiment).expect("written");
+    let table = stdout(halfshade(here.path()).args(["run", "assets.toml"]));
+    for mesh in &meshes {
+        let name = mesh.file_stem().expect("a name").to_string_lossy();
+        assert!(table.contains(&format!("### {name}, frame 0")), "{name}: {table}");
+    }
+    assert!(!table.contains("failed:") && !table.contains("unsupported:"), "{table}");
+}
+
+#[test]
+fn a_sphere_set_is_written_in_the_coordinates_of_its_mesh() {
+    let Some(assets) = assets() else { return };
+    let here = folder();
+    let mesh = assets.join("meshes/spot.obj").canonicalize().expect("spot.obj");
+    let text = stdout(halfshade(here.path()).arg("spheres").arg(&mesh).args(["-n", "4", "-o", "set.json"]));
+    for key in
+        ["outside_volume_fraction: ", "bounding_violation: 0\n", "ground_shadow_error: 0.", "seconds: ", "growth: "]
+    {
+        assert!(text.contains(key), "{key}: {text}");
+    }
+    let set: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(here.path().join("set.json")).expect("read")).expect("JSON");
+    assert_eq!(set["bounding_violation"], 0.0);
+    let spheres: Vec<[f64; 4]> = set["spheres"]
+        .as_array()
+        .expect("spheres")
+        .iter()
+        .map(|s| {
+            let center = |axis: usize| s["center"][axis].as_f64().expect("a number");
+            [center(0), center(1), center(2), s["radius"].as_f64().expect("a number")]
+        })
+        .collect();
+    assert_eq!(spheres.len(), 4);
+    // Independent of our loader: every vertex line of the file lies in a sphere.
+    let mut count = 0;
+    for line in fs::read_to_string(&mesh).expect("read").lines().filter(|line| line.starts_with("v ")) {
+        let v: Vec<f64> = line[2..].split_whitespace().map(|x| x.parse().expect("a number")).collect();
+        let inside = |s: &[f64; 4]| {
+            let squared: f64 = (0..3).map(|axis| (v[axis] - s[axis]).powi(2)).sum();
+            squared.sqrt() <= s[3] * (1.0 + 1e-6)
+        };
+        assert!(spheres.iter().any(inside), "{line}");
+        count += 1;
+    }
+    assert_eq!(count, 3225);
+}
