@@ -107,5 +107,5 @@ fn a_sphere_set_is_written_in_the_coordinates_of_its_mesh() {
         assert!(spheres.iter().any(inside), "{line}");
         count += 1;
     }
-    assert_eq!(count, 3225);
+    assert_eq!(count, 2930);
 }

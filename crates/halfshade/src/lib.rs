@@ -9,12 +9,13 @@ pub use band_limit::band_limit;
 pub use cli::Cli;
 
 use clap::Parser;
+use halfshade_strategies::{RayTraced, ShExp, Unshadowed};
 use halfshade_strategy::Strategy;
 use std::{ffi::OsString, process::ExitCode};
 
 /// Every strategy there is; the only list.
 pub fn strategies() -> Vec<Box<dyn Strategy>> {
-    vec![Box::new(halfshade_strategies::Unshadowed), Box::new(halfshade_strategies::RayTraced)]
+    vec![Box::new(Unshadowed), Box::new(RayTraced), Box::new(ShExp)]
 }
 
 /// Version and, where it is known, the commit.

@@ -16,7 +16,7 @@ use crate::{
 };
 use glam::Vec3;
 use halfshade_harness::{HarnessError, Picture, SystemClock, run::Tools, scene_source};
-use halfshade_scene::{Camera, Scene, SceneError, cache::Cache};
+use halfshade_scene::{Scene, SceneError, cache::Cache};
 use halfshade_strategy::Strategy;
 use std::{
     path::{Path, PathBuf},
@@ -68,26 +68,18 @@ impl Context {
         })
     }
 
-    /// The scene with its sphere sets built.
-    fn built_scene(&self, arguments: &SceneArguments) -> Result<Scene, Failure> {
+    /// The scene, its sphere sets not yet built.
+    fn scene(&self, arguments: &SceneArguments) -> Result<Scene, Failure> {
         let mut scene = scene_source::resolve(&arguments.scene, Path::new(""), arguments.env.as_deref())?;
         if arguments.frame >= scene.frame_count.max(1) {
-            let problem = format!(
+            return Err(Failure::Error(format!(
                 "scene `{}` has {} frames: there is no frame {}",
                 scene.name, scene.frame_count, arguments.frame
-            );
-            return Err(Failure::Error(problem));
+            )));
         }
-        for note in scene.build_spheres(&self.cache, &self.bars)? {
-            self.bars.note(&note);
-        }
-        scene.camera = camera(&scene, arguments);
+        scene.camera.resolution = arguments.resolution.unwrap_or(scene.camera.resolution);
         Ok(scene)
     }
-}
-
-fn camera(scene: &Scene, arguments: &SceneArguments) -> Camera {
-    Camera { resolution: arguments.resolution.unwrap_or(scene.camera.resolution), ..scene.camera }
 }
 
 fn background(arguments: &SceneArguments) -> Vec3 {

@@ -19,11 +19,14 @@ pub(super) fn render(context: &Context, arguments: &RenderArguments) -> Result<E
     let output = arguments.output.clone().unwrap_or_else(|| default_output(&arguments.scene, ".exr"));
     check_extension(&output)?;
     check_writable(&output)?;
-    let scene = context.built_scene(&arguments.scene)?;
+    let mut scene = context.scene(&arguments.scene)?;
     let strategy = &context.strategies[variant.strategy];
     let missing = strategy.info().effects.missing(Effects::required_by(&scene));
     if !missing.is_empty() {
         return Err(Failure::Error(format!("`{}` can't model {missing}, which the scene requires", variant.name)));
+    }
+    for note in scene.build_spheres(&context.cache, &context.bars)? {
+        context.bars.note(&note);
     }
     let frame = scene.frame(arguments.scene.frame);
     let tracer = Tracer::new(&frame);

@@ -18,7 +18,7 @@ pub(super) fn truth(context: &Context, arguments: &TruthArguments) -> Result<Exi
     let output = arguments.output.clone().unwrap_or_else(|| default_output(&arguments.scene, "-truth.exr"));
     check_extension(&output)?;
     check_writable(&output)?;
-    let scene = context.built_scene(&arguments.scene)?;
+    let scene = context.scene(&arguments.scene)?;
     let frame = scene.frame(arguments.scene.frame);
     let tracer = Tracer::new(&frame);
     let (receivers, projection) = Projection::of_pixels(&tracer, &frame, &scene.camera);
