@@ -5,57 +5,41 @@ use halfshade_scene::{
     Environment,
     light::{DistantLight, EnvironmentMap},
 };
-use halfshade_sh::{basis, zonal};
+use halfshade_sh::{basis, lat_long, zonal};
 
 /// Size of the map that a band-limited environment is tabulated on: what it varies within a texel at 8 bands is below
 /// 1 % of its amplitude, and averages out.
 const WIDTH: usize = 256;
 const HEIGHT: usize = 128;
 
-/// Points per texel and axis in the projection of a map.
-const SUBDIVISIONS: usize = 2;
-
 /// The projection of `environment` onto `bands` bands, sun included, as a map. Its radiance may be negative: that is the
 /// ringing of so few bands.
 ///
-/// `c_i = ∫ L(ω) y_i(ω) dω`: over the texels of a map by the midpoint rule on 2 by 2 points each (weighted so that each
-/// texel keeps its exact solid angle), over the sun in closed form.
+/// `c_i = ∫ L(ω) y_i(ω) dω`: over a map texel by texel ([`lat_long::project`]), over the sun in closed form.
 pub fn band_limit(environment: &Environment, bands: usize) -> Environment {
     let count = basis::coefficient_count(bands);
-    let mut coefficients = vec![[0.0f64; 3]; count];
-    let mut values = vec![0.0; count];
+    let [mut red, mut green, mut blue] = [0; 3].map(|_| vec![0.0f64; count]);
     match &environment.base {
         DistantLight::Constant(radiance) => {
-            for (c, value) in coefficients[0].iter_mut().zip(radiance.to_array()) {
-                *c = f64::from(value) * (4.0 * std::f64::consts::PI).sqrt();
+            let one = (4.0 * std::f64::consts::PI).sqrt();
+            for (channel, value) in [&mut red, &mut green, &mut blue].into_iter().zip(radiance.to_array()) {
+                channel[0] = one * f64::from(value);
             }
         }
         DistantLight::Map(map) => {
-            let (width, height) = (map.width(), map.height());
-            for row in 0..height {
-                let weight = map.texel_solid_angle(row) / (SUBDIVISIONS * SUBDIVISIONS) as f64;
-                for column in 0..width {
-                    let radiance = map.texels()[row * width + column].as_dvec3().to_array();
-                    for part in 0..SUBDIVISIONS * SUBDIVISIONS {
-                        let within = |i: usize| (i as f32 + 0.5) / SUBDIVISIONS as f32;
-                        let u = (column as f32 + within(part % SUBDIVISIONS)) / width as f32;
-                        let v = (row as f32 + within(part / SUBDIVISIONS)) / height as f32;
-                        basis::evaluate_into(bands, direction(map, u, v), &mut values);
-                        for (c, y) in coefficients.iter_mut().zip(&values) {
-                            for (c, radiance) in c.iter_mut().zip(radiance) {
-                                *c += radiance * y * weight;
-                            }
-                        }
-                    }
-                }
+            let texels: Vec<[f32; 3]> = map.texels().iter().map(|texel| texel.to_array()).collect();
+            // A map has as many texels as its size says.
+            if let Some(projected) = lat_long::project(bands, map.width(), map.height(), &texels) {
+                [red, green, blue] = projected;
             }
         }
     }
+    let mut coefficients = [red, green, blue];
     if let Some(sun) = &environment.sun {
         let cap = zonal::cap(bands, f64::from(sun.angular_radius).cos());
         let turned = zonal::rotate_to_axis(&cap, sun.direction.as_dvec3().normalize_or(glam::DVec3::Y).to_array());
-        for (c, value) in coefficients.iter_mut().zip(turned) {
-            for (c, radiance) in c.iter_mut().zip(sun.radiance.as_dvec3().to_array()) {
+        for (channel, radiance) in coefficients.iter_mut().zip(sun.radiance.as_dvec3().to_array()) {
+            for (c, value) in channel.iter_mut().zip(&turned) {
                 *c += radiance * value;
             }
         }
@@ -66,10 +50,8 @@ pub fn band_limit(environment: &Environment, bands: usize) -> Environment {
     let texels = (0..WIDTH * HEIGHT).map(|i| {
         let u = ((i % WIDTH) as f32 + 0.5) / WIDTH as f32;
         let v = ((i / WIDTH) as f32 + 0.5) / HEIGHT as f32;
-        basis::evaluate_into(bands, direction(&blank, u, v), &mut values);
-        let channel =
-            |channel: usize| coefficients.iter().zip(&values).map(|(c, y)| c[channel] * y).sum::<f64>() as f32;
-        Vec3::new(channel(0), channel(1), channel(2))
+        let values = basis::evaluate(bands, direction(&blank, u, v));
+        Vec3::from(coefficients.each_ref().map(|channel| basis::dot(channel, &values) as f32))
     });
     EnvironmentMap::new(WIDTH, HEIGHT, texels.collect()).map_or_else(|| environment.clone(), Environment::map)
 }
