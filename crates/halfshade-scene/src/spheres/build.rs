@@ -1,6 +1,6 @@
 //! From a mesh to its sphere set: normalize, sample, fit, bound, measure.
 
-use super::cover::{grow_to_cover, uncovered_points, violation};
+use super::cover::{grow_to_cover, sort_and_dedup, uncovered_points, violation};
 use super::points::{inner_points, surface_points};
 use super::polish::{Polish, cover_points, tighten};
 use super::solid::Solid;
@@ -16,13 +16,13 @@ use serde::Serialize;
 use std::sync::Arc;
 
 /// Raise whenever the same mesh and options would give another set.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Longest edge, as a fraction of the mesh's largest extent, below which an uncovered piece of a triangle is covered by
 /// growing a sphere instead of being cut further.
 const COVER_TOLERANCE: f64 = 2e-4;
 /// Rounds of tightening, each with the points that the one before left uncovered.
 const TIGHTEN_ROUNDS: usize = 4;
-/// Surface points that the polish covers. With few, spheres shrink between them and must grow back in the end.
+/// Surface points that the polish covers, at most. With few, spheres shrink between them and must grow back in the end.
 const FINE_POINTS: usize = 12_000;
 /// Vertices that tightening respects at most; the bound holds for all of them in the end.
 const MOST_VERTICES: usize = 40_000;
@@ -103,7 +103,11 @@ impl SphereSet {
         let area = mesh.corners.iter().map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length()).sum();
         let restarts = options.restarts.max(1);
         let mut rng = Pcg64Mcg::seed_from_u64(options.seed);
-        let fine = if options.polish { surface_points(&mesh.corners, FINE_POINTS, &mut rng) } else { Vec::new() };
+        let fine = if options.polish {
+            surface_points(&mesh.corners, (400 * count).clamp(3_000, FINE_POINTS), &mut rng)
+        } else {
+            Vec::new()
+        };
         let steps = 1 + options.teleports + if options.polish { 1 + options.jumps } else { 0 };
         progress.start("fitting spheres", (restarts * steps) as u64);
         let fitted: Vec<(f64, Vec<Ball>)> = (0..restarts as u64)
@@ -132,7 +136,7 @@ impl SphereSet {
             for round in 0..TIGHTEN_ROUNDS {
                 // Triangles reach out between their vertices: where they do, their pieces join the points to be covered.
                 if round > 0 {
-                    points.extend(uncovered_points(&mesh.corners, &best, 5.0 * COVER_TOLERANCE));
+                    points.extend(uncovered_points(&mesh.corners, &best, 10.0 * COVER_TOLERANCE));
                 }
                 cover_points(&mut best, &points);
                 tighten(&solid.columns, &points, &mut best, 2);
@@ -256,9 +260,7 @@ impl Normalized {
     /// Each vertex once, in a fixed order; every n-th of them if there are very many.
     fn vertices(&self) -> Vec<DVec3> {
         let mut vertices: Vec<DVec3> = self.corners.iter().flatten().copied().collect();
-        let key = |p: &DVec3| p.to_array().map(|x| (x + 0.0).to_bits());
-        vertices.sort_unstable_by_key(key);
-        vertices.dedup_by_key(|p| key(p));
+        sort_and_dedup(&mut vertices);
         let stride = vertices.len().div_ceil(MOST_VERTICES);
         vertices.into_iter().step_by(stride.max(1)).collect()
     }
@@ -308,4 +310,184 @@ impl Normalized {
 fn round_up(x: f64) -> f64 {
     let rounded = x as f32;
     f64::from(if f64::from(rounded) < x { rounded.next_up() } else { rounded })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::builtin::shapes::{box_mesh, plane, torus};
+    use crate::progress::Silent;
+    use glam::Vec3;
+    use rand::RngExt;
+
+    const QUICK: BuildOptions = BuildOptions { seed: 1, restarts: 2, teleports: 1, polish: true, jumps: 1 };
+
+    fn build(mesh: &Mesh, count: usize) -> SphereSet {
+        SphereSet::build(mesh, count, &QUICK, &Silent).unwrap()
+    }
+
+    /// Random points of the triangles, none of which may lie outside every sphere.
+    fn assert_bounds(mesh: &Mesh, set: &SphereSet) {
+        assert_eq!(set.bounding_violation, 0.0);
+        let mut rng = Pcg64Mcg::seed_from_u64(7);
+        for triangle in &mesh.triangles {
+            let [a, b, c] = triangle.map(|k| mesh.positions[k as usize].as_dvec3());
+            for _ in 0..40 {
+                let (u, v): (f64, f64) = (rng.random(), rng.random());
+                let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+                let p = a + u * (b - a) + v * (c - a);
+                let missing = |s: &Sphere| s.center.as_dvec3().distance(p) - f64::from(s.radius);
+                let least = set.spheres.iter().map(missing).fold(f64::INFINITY, f64::min);
+                assert!(least <= 1e-12 * p.length(), "{least}");
+            }
+        }
+    }
+
+    /// Against a volume estimate that shares nothing with the builder's: random points and the torus's equation.
+    #[test]
+    fn a_torus_is_bounded_and_its_outside_volume_is_true() {
+        let mesh = torus(1.0, 0.4, 96, 48);
+        let set = build(&mesh, 12);
+        assert_bounds(&mesh, &set);
+        assert!(set.notes.is_empty() && set.spheres.len() == 12);
+        let mut rng = Pcg64Mcg::seed_from_u64(3);
+        let (mut outside, count) = (0u32, 2_000_000);
+        for _ in 0..count {
+            let p =
+                Vec3::new(1.6, 0.6, 1.6) * Vec3::from_array(std::array::from_fn(|_| rng.random_range(-1.0..1.0f32)));
+            let in_torus = (p.x.hypot(p.z) - 1.0).hypot(p.y) < 0.4;
+            let in_spheres = set.spheres.iter().any(|s| s.center.distance(p) < s.radius);
+            outside += u32::from(in_spheres && !in_torus);
+        }
+        let volume = 2.0 * std::f64::consts::PI.powi(2) * 0.4 * 0.4;
+        let outside_torus = f64::from(outside) / f64::from(count) * (3.2 * 3.2 * 1.2);
+        let tetrahedron = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|k| mesh.positions[k as usize].as_dvec3());
+            a.dot(b.cross(c)) / 6.0
+        };
+        let mesh_volume: f64 = mesh.triangles.iter().map(tetrahedron).sum();
+        // The mesh is inscribed in the torus: what it lacks is outside of it too.
+        let fraction = (outside_torus + volume - mesh_volume) / mesh_volume;
+        assert!((fraction / set.outside_volume_fraction - 1.0).abs() < 0.01, "{fraction} {set:?}");
+        // Twelve balls around a ring, each through the tube's rim at its ends.
+        assert!(set.outside_volume_fraction < 0.6, "{}", set.outside_volume_fraction);
+    }
+
+    #[test]
+    fn the_polish_pays() {
+        let mesh = torus(1.0, 0.4, 48, 24);
+        let published = SphereSet::build(&mesh, 10, &BuildOptions { polish: false, ..QUICK }, &Silent).unwrap();
+        assert_bounds(&mesh, &published);
+        assert!(build(&mesh, 10).outside_volume_fraction < published.outside_volume_fraction);
+    }
+
+    #[test]
+    fn threads_do_not_change_a_bit() {
+        let mesh = box_mesh(2);
+        let with_threads =
+            |n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap().install(|| build(&mesh, 5));
+        let one = with_threads(1);
+        assert_eq!(one, with_threads(3));
+        let other = SphereSet::build(&mesh, 5, &BuildOptions { seed: 2, ..QUICK }, &Silent).unwrap();
+        assert_ne!(one, other);
+    }
+
+    #[test]
+    fn any_scale_and_place() {
+        let mesh = torus(1.0, 0.5, 24, 12);
+        let unit = build(&mesh, 6);
+        for (scale, place) in [(1e-3, Vec3::ZERO), (1e3, Vec3::ZERO), (1.0, Vec3::new(500.0, -300.0, 0.0))] {
+            let mut moved = mesh.clone();
+            moved.positions.iter_mut().for_each(|p| *p = scale * *p + place);
+            let set = build(&moved, 6);
+            assert_bounds(&moved, &set);
+            let ratio = set.outside_volume_fraction / unit.outside_volume_fraction;
+            assert!((0.9..1.1).contains(&ratio), "scale {scale}: {ratio}");
+        }
+    }
+
+    #[test]
+    fn bad_meshes_are_bounded_too() {
+        let sound = torus(1.0, 0.4, 24, 12);
+        let mut flipped = sound.clone();
+        flipped.triangles.iter_mut().for_each(|t| t.swap(0, 1));
+        let mut open = sound.clone();
+        open.triangles.truncate(sound.triangles.len() - 12);
+        let mut split = Mesh::default();
+        for t in &sound.triangles {
+            split.triangles.push([0, 1, 2].map(|k| k + split.positions.len() as u32));
+            split.positions.extend(t.map(|k| sound.positions[k as usize]));
+        }
+        let mut two = sound.clone();
+        two.triangles.extend(sound.triangles.iter().map(|t| t.map(|k| k + sound.positions.len() as u32)));
+        two.positions.extend(sound.positions.iter().map(|p| 0.7 * *p + Vec3::new(3.0, 0.2, 0.1)));
+        for mesh in [&flipped, &open, &split, &two] {
+            let set = build(mesh, 10);
+            assert_bounds(mesh, &set);
+            assert_eq!(set.notes.is_empty(), !std::ptr::eq(mesh, &open), "{:?}", set.notes);
+            // Ten for two tori are few; one ball around a torus would be 5.
+            assert!(set.outside_volume_fraction < 4.0, "{}", set.outside_volume_fraction);
+        }
+        // Nothing inside: a shell, and said so.
+        let flat = build(&plane(3), 7);
+        assert_bounds(&plane(3), &flat);
+        assert!(flat.notes[0].contains("no volume") && flat.outside_volume_fraction.is_finite());
+        // More spheres than there is to cover, and one for all.
+        let triangle = Mesh {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+            triangles: vec![[0, 1, 2], [0, 0, 0]],
+            ..Mesh::default()
+        };
+        for count in [1, 30] {
+            assert_bounds(&triangle, &build(&triangle, count));
+        }
+        let one = build(&box_mesh(1), 1);
+        assert_bounds(&box_mesh(1), &one);
+        assert!((f64::from(one.spheres[0].radius) - 3f64.sqrt()).abs() < 0.02, "{one:?}");
+    }
+
+    #[test]
+    fn what_cannot_be_bounded_is_said() {
+        let problem = |mesh: &Mesh, count| SphereSet::build(mesh, count, &QUICK, &Silent).unwrap_err().to_string();
+        assert!(problem(&box_mesh(1), 0).contains("0 spheres"));
+        assert!(problem(&Mesh::default(), 3).contains("without triangles"));
+        let mut broken = box_mesh(1);
+        broken.positions[2].y = f32::NAN;
+        assert!(problem(&broken, 3).contains("vertex 2 is not finite"));
+        broken.positions.truncate(2);
+        assert!(problem(&broken, 3).contains("a triangle uses vertex"));
+        broken.positions = vec![Vec3::ONE; 100];
+        assert!(problem(&broken, 3).contains("one place"));
+    }
+
+    #[test]
+    fn the_cache_gives_the_same_set() {
+        let folder = tempfile::tempdir().unwrap();
+        let cache = Cache::open(Some(folder.path().into()));
+        let ask = |count| SphereSet::build_cached(&box_mesh(1), count, &QUICK, &cache, &Silent).unwrap();
+        let (first, second, other) = (ask(3), ask(3), ask(2));
+        assert_eq!(first.0, second.0);
+        use crate::cache::CacheSource::{Computed, Read};
+        assert_eq!([first.1.source, second.1.source, other.1.source], [Computed, Read, Computed]);
+    }
+
+    /// The targets on a real mesh, where it is at hand: HALFSHADE_BUNNY names the file.
+    #[test]
+    #[ignore = "takes half a minute and needs the Stanford bunny: set HALFSHADE_BUNNY to its OBJ file"]
+    fn the_bunny_meets_its_targets() {
+        let path = std::env::var("HALFSHADE_BUNNY").expect("HALFSHADE_BUNNY names an OBJ file");
+        let (models, _) = tobj::load_obj(&path, &tobj::GPU_LOAD_OPTIONS).unwrap();
+        let mesh = Mesh {
+            positions: models[0].mesh.positions.chunks(3).map(Vec3::from_slice).collect(),
+            triangles: models[0].mesh.indices.chunks(3).map(|t| [t[0], t[1], t[2]]).collect(),
+            ..Mesh::default()
+        };
+        for (count, outside, shadow) in [(16, 0.52, 0.055), (32, 0.33, 0.036), (64, 0.235, 0.03)] {
+            let set = SphereSet::build(&mesh, count, &BuildOptions::default(), &Silent).unwrap();
+            assert_eq!(set.bounding_violation, 0.0);
+            assert!(set.outside_volume_fraction <= outside, "{count}: {}", set.outside_volume_fraction);
+            let error = super::super::ground_shadow_error(&mesh, &set.spheres, 256);
+            assert!(error <= shadow, "{count}: shadow {error}");
+        }
+    }
 }

@@ -35,11 +35,20 @@ pub(super) fn uncovered_points(triangles: &[Triangle], balls: &[Ball], tolerance
         });
         points
     };
-    triangles.par_iter().map(of_triangle).flatten_iter().collect()
+    let mut points: Vec<DVec3> = triangles.par_iter().map(of_triangle).flatten_iter().collect();
+    sort_and_dedup(&mut points);
+    points
 }
 
-/// Grows radii until the balls bound the triangles, each uncovered leaf by the ball that needs to grow least, by no more
-/// than it needs. `round_up` makes a radius representable. Returns the largest growth.
+/// Each point once, in an order that depends on the points alone.
+pub(super) fn sort_and_dedup(points: &mut Vec<DVec3>) {
+    let key = |p: &DVec3| p.to_array().map(|x| (x + 0.0).to_bits());
+    points.sort_unstable_by_key(key);
+    points.dedup_by_key(|p| key(p));
+}
+
+/// Grows radii until the balls bound the triangles, each uncovered leaf by the ball that needs to grow least, so that no
+/// ball grows by more than the violation before. `round_up` makes a radius representable. Returns the largest growth.
 pub(super) fn grow_to_cover(
     triangles: &[Triangle],
     balls: &mut [Ball],
@@ -54,9 +63,13 @@ pub(super) fn grow_to_cover(
         let mut uncovered = Vec::new();
         leaves(*triangle, balls, &mut candidates(triangle, balls), tolerance, &mut |leaf, _| uncovered.push(*leaf));
         for leaf in uncovered {
-            let Some(ball) = balls.iter_mut().min_by(|a, b| a.missing(&leaf).total_cmp(&b.missing(&leaf))) else {
-                return 0.0;
-            };
+            if balls.iter().any(|ball| ball.missing(&leaf) <= 0.0) {
+                continue;
+            }
+            // Judged by the radii before: a ball that has just grown would look nearest to every next leaf and creep.
+            let need = |k: usize| balls[k].missing(&leaf) + (balls[k].radius - before[k]);
+            let Some(nearest) = (0..balls.len()).min_by(|&a, &b| need(a).total_cmp(&need(b))) else { return 0.0 };
+            let ball = &mut balls[nearest];
             // More than once only where the sum is an ulp short.
             while ball.missing(&leaf) > 0.0 {
                 ball.radius = round_up((ball.radius + ball.missing(&leaf)).max(ball.radius * (1.0 + f64::EPSILON)));
@@ -109,5 +122,22 @@ fn leaves(
     let (ab, bc, ca) = (a.midpoint(b), b.midpoint(c), c.midpoint(a));
     for piece in [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]] {
         leaves(piece, balls, near, tolerance, visit);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two balls hold the ends of a long triangle; the middle sticks out by a known amount.
+    #[test]
+    fn finds_what_no_vertex_shows() {
+        let triangle = [DVec3::new(-1.0, 0.0, 0.0), DVec3::new(1.0, 0.0, 0.0), DVec3::new(1.0, 1e-9, 0.0)];
+        let mut balls = [-1.0, 1.0].map(|x| Ball { center: DVec3::new(x, 0.0, 0.0), radius: 0.9 });
+        let found = violation(&[triangle], &balls, 1e-4);
+        assert!((0.1 - 1e-12..0.1 + 1e-4).contains(&found), "the middle lies 1 away from both: {found}");
+        let growth = grow_to_cover(&[triangle], &mut balls, 1e-4, |r| r);
+        assert!(growth < 0.1 + 1e-3 && violation(&[triangle], &balls, 1e-4) == 0.0, "{growth}");
+        assert!(!uncovered_points(&[triangle], &balls.map(|b| Ball { radius: 0.9, ..b }), 1e-2).is_empty());
     }
 }

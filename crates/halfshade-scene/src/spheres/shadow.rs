@@ -104,3 +104,26 @@ fn fill_sphere(sphere: &Sphere, direction: DVec3, marks: &mut [bool], receiver: 
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    /// A sphere's mesh against the sphere: nothing but facets. Against nothing: the closed form sin²θ cos γ itself.
+    #[test]
+    fn one_sphere_in_closed_form() {
+        let mesh = crate::builtin::shapes::sphere(24);
+        let unit = Sphere { center: Vec3::ZERO, radius: 1.0 };
+        assert!(ground_shadow_error(&mesh, &[unit], 256) < 6e-3);
+        let mut squares = 0.0;
+        for k in 0..SIDE * SIDE {
+            let [x, z] = [k % SIDE, k / SIDE].map(|i| 5.0 * ((i as f64 + 0.5) / SIDE as f64 - 0.5));
+            let squared = x * x + z * z + 1.0;
+            squares += (1.0 / squared / squared.sqrt()).powi(2);
+        }
+        let expected = (squares / (SIDE * SIDE) as f64).sqrt();
+        let found = ground_shadow_error(&mesh, &[], 256);
+        assert!((found / expected - 1.0).abs() < 0.02, "{found} {expected}");
+    }
+}

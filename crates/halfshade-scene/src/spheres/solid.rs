@@ -236,6 +236,9 @@ impl Traced {
             let (across, _) = split(*corner, axis);
             (min, max) = (min.min(across), max.max(across));
         }
+        if corners.is_empty() {
+            (min, max) = (DVec2::ZERO, DVec2::ZERO);
+        }
         let window = [min, max + DVec2::splat(step)];
         let first = [first_line_at_or_after(min.x, step), first_line_at_or_after(min.y, step)];
         let width = (first_line_at_or_after(window[1].x, step) - first[0]).max(0) as usize;
@@ -345,4 +348,47 @@ fn side(a: DVec2, b: DVec2, point: DVec2) -> (f64, bool) {
     let (low, high) = if swapped { (b, a) } else { (a, b) };
     let area = (high - low).perp_dot(point - low);
     if swapped { (-area, area < 0.0) } else { (area, area >= 0.0) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    /// The box from -1/2 to 1/2.
+    fn unit_box() -> Vec<[DVec3; 3]> {
+        let mesh = crate::builtin::shapes::box_mesh(1);
+        mesh.triangles.iter().map(|t| t.map(|k| 0.5 * mesh.positions[k as usize].as_dvec3())).collect()
+    }
+
+    fn ball(x: f64, radius: f64) -> Ball {
+        Ball { center: DVec3::new(x, 0.0, 0.0), radius }
+    }
+
+    #[test]
+    fn volumes_against_closed_forms() {
+        for axis in 0..3 {
+            let solid = Solid::new(&unit_box(), axis, 0.005);
+            assert_eq!(solid.open_fraction, 0.0);
+            let close = |a: f64, b: f64| assert!((a - b).abs() < 2e-3 * (1.0 + b), "axis {axis}: {a} {b}");
+            close(solid.columns.volume(), 1.0);
+            assert!(solid.columns.outside(&ball(0.0, 0.49)).abs() < 1e-12);
+            close(solid.columns.outside(&ball(0.5, 0.4)), 2.0 / 3.0 * PI * 0.064);
+            close(solid.columns.outside(&ball(3.0, 0.7)), 4.0 / 3.0 * PI * 0.343);
+            // Two unit balls a radius apart share a lens of 5π/12.
+            let two = [ball(4.0, 1.0), ball(5.0, 1.0)];
+            close(solid.columns.union_outside(&two), (8.0 / 3.0 - 5.0 / 12.0) * PI);
+            let rest = solid.columns.united_with(two[..1].iter(), &two[1]);
+            close(rest.outside(&two[1]), (4.0 / 3.0 - 5.0 / 12.0) * PI);
+        }
+    }
+
+    #[test]
+    fn a_hole_in_one_face_is_seen_through_by_the_other_directions() {
+        let mut open = unit_box();
+        open.retain(|t| !t.iter().all(|corner| corner.z > 0.49));
+        let solid = Solid::new(&open, 2, 0.02);
+        assert!(solid.open_fraction > 0.9);
+        assert!((solid.columns.volume() - 1.0).abs() < 0.05, "{}", solid.columns.volume());
+    }
 }
