@@ -63,6 +63,15 @@ impl Environment {
         Self { base: DistantLight::Map(Arc::new(map)), sun: None }
     }
 
+    /// The same light, `factor` times as strong.
+    pub fn scaled(&self, factor: f32) -> Self {
+        let base = match &self.base {
+            DistantLight::Constant(radiance) => DistantLight::Constant(factor * *radiance),
+            DistantLight::Map(map) => DistantLight::Map(Arc::new(map.scaled(factor))),
+        };
+        Self { base, sun: self.sun.map(|sun| Sun { radiance: factor * sun.radiance, ..sun }) }
+    }
+
     /// Radiance that arrives along unit `direction` (pointing away from the receiver), sun included.
     pub fn radiance(&self, direction: Vec3) -> Vec3 {
         let base = match &self.base {

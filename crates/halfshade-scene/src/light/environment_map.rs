@@ -20,6 +20,11 @@ impl EnvironmentMap {
         (width > 0 && height > 0 && texels.len() == width * height).then_some(Self { width, height, texels })
     }
 
+    /// The same map, `factor` times as bright.
+    pub fn scaled(&self, factor: f32) -> Self {
+        Self { texels: self.texels.iter().map(|texel| factor * *texel).collect(), ..*self }
+    }
+
     /// Columns.
     pub fn width(&self) -> usize {
         self.width
