@@ -53,7 +53,7 @@ impl Baked for Prepared {
         let turn = Mat3::from_quat(frame.world_from_environment);
         self.up = if self.fault == Fault::WorldBound { Vec3::Y } else { turn * Vec3::Y };
         let environment = &frame.scene.environment;
-        let (rows, columns) = (90, 180);
+        let (rows, columns) = (48, 96);
         self.light = (0..rows * columns)
             .map(|i| {
                 let y = 1.0 - 2.0 * ((i / columns) as f32 + 0.5) / rows as f32;
@@ -101,38 +101,36 @@ impl Baked for Prepared {
     }
 }
 
-const BOUNDS: Bounds = Bounds { constant: 1e-3, quadrature: 0.02, rotation: 0.03, brightening: 1e-5 };
+// The rotation's bound is that of a few thousand directions.
+const BOUNDS: Bounds = Bounds { constant: 5e-3, quadrature: 0.015, rotation: 0.05, brightening: 1e-5 };
 
-/// Which clauses a fault breaks, in the order of the macro.
-fn broken(fault: Fault) -> Vec<&'static str> {
-    let (toy, params) = (Toy(fault), Params::default());
-    let outcomes = [
-        ("analytic", no_blocker_gives_the_analytic_answer(&toy, &params, &BOUNDS)),
-        ("rotation", rotating_everything_changes_nothing(&toy, &params, &BOUNDS)),
-        ("brightening", adding_a_blocker_never_brightens(&toy, &params, &BOUNDS)),
-        ("splitting", splitting_a_batch_changes_no_bit(&toy, &params)),
-        ("preparing", preparing_twice_equals_once(&toy, &params)),
-        ("finite", every_output_is_finite(&toy, &params)),
-    ];
-    outcomes.into_iter().filter(|(_, outcome)| outcome.is_err()).map(|(name, _)| name).collect()
-}
+type Clause = fn(&Toy, &Params) -> Checked;
+
+const ANALYTIC: Clause = |toy, params| no_blocker_gives_the_analytic_answer(toy, params, &BOUNDS);
+const ROTATION: Clause = |toy, params| rotating_everything_changes_nothing(toy, params, &BOUNDS);
+const BRIGHTENING: Clause = |toy, params| adding_a_blocker_never_brightens(toy, params, &BOUNDS);
+const SPLITTING: Clause = |toy, params| splitting_a_batch_changes_no_bit(toy, params);
+const PREPARING: Clause = |toy, params| preparing_twice_equals_once(toy, params);
+const FINITE: Clause = |toy, params| every_output_is_finite(toy, params);
 
 #[test]
 fn an_honest_strategy_passes() {
-    assert_eq!(broken(Fault::None), Vec::<&str>::new());
+    for clause in [ANALYTIC, ROTATION, BRIGHTENING, SPLITTING, PREPARING, FINITE] {
+        assert_eq!(clause(&Toy(Fault::None), &Params::default()), Ok(()));
+    }
 }
 
 #[test]
 fn each_fault_is_found() {
     for (fault, clause) in [
-        (Fault::Scaled, "analytic"),
-        (Fault::WorldBound, "rotation"),
-        (Fault::Brightens, "brightening"),
-        (Fault::BatchPosition, "splitting"),
-        (Fault::Counts, "splitting"),
-        (Fault::Remembers, "preparing"),
-        (Fault::NotANumber, "finite"),
+        (Fault::Scaled, ANALYTIC),
+        (Fault::WorldBound, ROTATION),
+        (Fault::Brightens, BRIGHTENING),
+        (Fault::BatchPosition, SPLITTING),
+        (Fault::Counts, SPLITTING),
+        (Fault::Remembers, PREPARING),
+        (Fault::NotANumber, FINITE),
     ] {
-        assert!(broken(fault).contains(&clause), "{fault:?}: {:?}", broken(fault));
+        assert!(clause(&Toy(fault), &Params::default()).is_err(), "{fault:?}");
     }
 }
