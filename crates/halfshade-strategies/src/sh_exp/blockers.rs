@@ -2,10 +2,11 @@
 
 use glam::{DMat3, DVec3};
 use halfshade_scene::{
-    Frame,
-    spheres::{AdjustRule, FADE_HEIGHT},
+    Frame, Scene, SphereSet,
+    spheres::{AdjustRule, FADE_HEIGHT, overlap_shares},
 };
 use halfshade_strategy::StrategyError;
+use std::sync::Arc;
 use wide::f32x8;
 
 /// All spheres of a frame, in the space of the light: turned like the environment, so that its tables hold for every
@@ -23,6 +24,44 @@ pub(super) struct Blockers {
 pub(super) struct Blocker {
     pub(super) center: [f32; 3],
     pub(super) radius: f32,
+    /// How much of its logarithm counts, see [`Overlap`].
+    pub(super) share: f32,
+}
+
+/// What to do about spheres of one object that cover each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Overlap {
+    /// Each counts in full [Guerrero2007, eq. 4.7]: a direction behind k spheres is blocked k times.
+    Independent,
+    /// Each counts by the share of its silhouette that is its own, see [`overlap_shares`]: about once.
+    Shared,
+}
+
+/// The shares of the spheres of each object, kept from frame to frame.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Shares(Vec<(Arc<SphereSet>, Vec<f32>)>);
+
+impl Shares {
+    fn of(&mut self, set: &Arc<SphereSet>, overlap: Overlap) -> &[f32] {
+        let known = self.0.iter().position(|(other, _)| Arc::ptr_eq(other, set));
+        let place = known.unwrap_or_else(|| {
+            let shares = match overlap {
+                Overlap::Independent => vec![1.0; set.spheres.len()],
+                Overlap::Shared => overlap_shares(&set.spheres),
+            };
+            self.0.push((set.clone(), shares));
+            self.0.len() - 1
+        });
+        &self.0[place].1
+    }
+
+    /// Computes the shares of every object of `scene` ahead of its first frame, and forgets all others.
+    pub(super) fn fill(&mut self, scene: &Scene, overlap: Overlap) {
+        self.0.clear();
+        for set in scene.objects.iter().filter(|object| object.sphere_count > 0).filter_map(|o| o.spheres.as_ref()) {
+            self.of(set, overlap);
+        }
+    }
 }
 
 impl Default for Blockers {
@@ -32,7 +71,7 @@ impl Default for Blockers {
 }
 
 impl Blockers {
-    pub(super) fn new(frame: &Frame<'_>) -> Result<Self, StrategyError> {
+    pub(super) fn new(frame: &Frame<'_>, shares: &mut Shares, overlap: Overlap) -> Result<Self, StrategyError> {
         let mut spheres = Vec::new();
         for (object, pose) in frame.scene.objects.iter().zip(&frame.world_from_object) {
             if object.sphere_count == 0 {
@@ -42,16 +81,19 @@ impl Blockers {
                 StrategyError::Failed(format!("object `{}` blocks but its sphere set is not built", object.name))
             })?;
             let rotation = pose.rotation.as_dquat();
-            spheres.extend(set.spheres.iter().map(|sphere| {
+            spheres.extend(set.spheres.iter().zip(shares.of(set, overlap)).map(|(sphere, &share)| {
                 let center = rotation * (f64::from(pose.scale) * sphere.center.as_dvec3());
-                (center + pose.translation.as_dvec3(), pose.scale * sphere.radius)
+                (center + pose.translation.as_dvec3(), pose.scale * sphere.radius, share)
             }));
         }
-        let center = spheres.iter().map(|(center, _)| *center).sum::<DVec3>() / f64::from(spheres.len().max(1) as u32);
+        let center = spheres.iter().map(|(center, ..)| *center).sum::<DVec3>() / f64::from(spheres.len().max(1) as u32);
         let rotation = DMat3::from_quat(frame.world_from_environment.as_dquat().normalize().conjugate());
         let spheres = spheres
             .into_iter()
-            .map(|(place, radius)| Blocker { center: (rotation * (place - center)).as_vec3().to_array(), radius })
+            .map(|(place, radius, share)| {
+                let center = (rotation * (place - center)).as_vec3().to_array();
+                Blocker { center, radius, share }
+            })
             .collect();
         Ok(Self { spheres, rotation, center })
     }
@@ -127,7 +169,7 @@ mod tests {
             });
             let normal: [f32x8; 3] =
                 std::array::from_fn(|axis| f32x8::from(std::array::from_fn::<f32, 8, _>(|i| normals[i][axis] as f32)));
-            let blocker = Blocker { center, radius };
+            let blocker = Blocker { center, radius, share: 1.0 };
             for rule in [AdjustRule::Continuous, AdjustRule::Published] {
                 let seen = blocker.seen_from(&positions.map(f32x8::from), &normal, rule);
                 for (lane, lane_normal) in normals.iter().enumerate() {
@@ -157,7 +199,7 @@ mod tests {
     #[test]
     fn defined_at_the_centre_on_the_surface_and_next_to_it() {
         for radius in [1e-3f32, 1.0, 1e3] {
-            let blocker = Blocker { center: [0.0; 3], radius };
+            let blocker = Blocker { center: [0.0; 3], radius, share: 1.0 };
             for distance in [0.0, 1e-7, 1.0 - 1e-7, 1.0, 1.0 + 1e-7] {
                 for sign in [-1.0, 1.0] {
                     let position = [f32x8::ZERO, f32x8::splat(radius * distance * sign), f32x8::ZERO];

@@ -64,7 +64,8 @@ fn log_sum<const N: usize>(
     for blocker in &prepared.blockers.spheres {
         // A sphere that no lane sees adds 0 to all of them: leaving it out changes no bit.
         if let Some(seen) = blocker.seen_from(position, normal, prepared.rule) {
-            let scale = table.lookup(seen.sin_squared);
+            let share = f32x8::splat(blocker.share);
+            let scale = table.lookup(seen.sin_squared).map(|value| value * share);
             kernel::accumulate_lobe(seen.direction, &scale, &mut sum);
         }
     }

@@ -1,0 +1,254 @@
+//! SH exponentiation at the extremes, over every number of bands and every variant of the exponential.
+//!
+//! Everywhere: finite, and within the ringing bound that `sh_exp` states: at most |L_ρ| √4π in magnitude, which for
+//! constant light is 1.64 times the unshadowed radiance. What the variants reach in practice is much closer and stated
+//! below.
+
+use glam::Vec3;
+use halfshade_scene::{
+    Camera, Environment, Material, Mesh, Motion, Object, Pose, RadianceBuffer, ReceiverBuffer, Scene, Sphere,
+    SphereSet, progress::Silent,
+};
+use halfshade_strategies::ShExp;
+use halfshade_strategy::{Baked, Params, Strategy};
+use std::{f32::consts::FRAC_PI_2, sync::Arc};
+
+const VARIANTS: [&str; 6] = [
+    "exp=product",
+    "exp=series",
+    "exp=series,scaling=off",
+    "exp=optimal-linear",
+    "exp=hybrid",
+    "exp=hybrid,overlap=shared,rule=published",
+];
+
+/// The bound for constant light: |clamped cosine / π| √4π = √(2/3) / √π · √4π.
+const BOUND: f32 = 1.633;
+
+fn scene(environment: Environment, spheres: &[Sphere]) -> Scene {
+    let set = SphereSet { spheres: spheres.to_vec(), ..SphereSet::default() };
+    Scene {
+        name: "spheres".into(),
+        objects: vec![Object {
+            name: "spheres".into(),
+            mesh: Arc::new(Mesh::default()),
+            material: Material::default(),
+            sphere_count: spheres.len(),
+            spheres: Some(Arc::new(set)),
+            cluster_count: 0,
+            motion: Motion::Still(Pose::IDENTITY),
+        }],
+        environment,
+        environment_turn_per_sec: 0.0,
+        lights: Vec::new(),
+        camera: Camera { eye: Vec3::Z, target: Vec3::ZERO, vertical_fov_degrees: 40.0, resolution: [8, 8] },
+        frames_per_sec: 30.0,
+        frame_count: 1,
+    }
+}
+
+/// Bakes once: tables don't depend on the scene, whose spheres and light `prepare` takes from the frame.
+fn baked(settings: &str) -> Box<dyn Baked> {
+    let params = Params::parse(&ShExp.info().parameters, settings).unwrap();
+    ShExp.bake(&scene(Environment::constant(Vec3::ONE), &[]), &params, &Silent).unwrap()
+}
+
+fn shade(baked: &mut dyn Baked, scene: &Scene, receivers: &ReceiverBuffer) -> RadianceBuffer {
+    baked.prepare(&scene.frame(0)).unwrap();
+    let mut out = RadianceBuffer::zeros(receivers.len());
+    baked.shade(receivers.view(), out.view_mut());
+    out
+}
+
+fn receivers(places: impl IntoIterator<Item = (Vec3, Vec3)>) -> ReceiverBuffer {
+    let mut buffer = ReceiverBuffer::default();
+    places.into_iter().for_each(|(position, normal)| buffer.push(position, normal, Vec3::ONE, 0));
+    buffer
+}
+
+/// Receivers at the origin, normals up and tilted by up to a right angle.
+fn tilted() -> ReceiverBuffer {
+    receivers((0..9).map(|i| {
+        let (sin, cos) = (i as f32 / 8.0 * FRAC_PI_2).sin_cos();
+        (Vec3::ZERO, Vec3::new(sin, cos, 0.0))
+    }))
+}
+
+fn every_variant(check: impl Fn(&str, &mut dyn Baked)) {
+    for bands in 1..=8 {
+        for variant in VARIANTS {
+            let settings = format!("{variant},bands={bands},normals=4");
+            check(&settings, baked(&settings).as_mut());
+        }
+    }
+}
+
+/// All values within `[-BOUND, BOUND]` times `strength`; NaN is not.
+fn assert_bounded(out: &RadianceBuffer, strength: f32, what: &str) {
+    for channel in &out.channels {
+        for &value in channel {
+            assert!(value.abs() <= BOUND * strength * 1.001, "{what}: {value} under {strength}");
+        }
+    }
+}
+
+#[test]
+fn angular_radii_from_a_millionth_to_a_right_angle() {
+    let radii = [1e-6f32, 1e-4, 0.01, 0.1, 0.5, 0.8, 0.88, 0.9, 1.2, 1.5, 1.57];
+    let receivers = tilted();
+    every_variant(|settings, baked| {
+        let mut last = f32::INFINITY;
+        for theta in radii {
+            let center = Vec3::new(0.0, 2.0, 0.0);
+            let scene = scene(Environment::constant(Vec3::ONE), &[Sphere { center, radius: 2.0 * theta.sin() }]);
+            let out = shade(baked, &scene, &receivers);
+            assert_bounded(&out, 1.0, settings);
+            let (up, exact) = (out.at(0).x, 1.0 - theta.sin().powi(2));
+            // The logarithm's clipping and the truncated exponential cost most near the horizon, at few bands. One band
+            // knows only the mean over all directions, of which half are below the horizon.
+            let tolerance = match theta {
+                _ if theta < 0.02 => 1e-3,
+                _ if settings.contains("bands=1") => 0.6,
+                _ => 0.35,
+            };
+            // The bare series diverges where the logarithm clips: it is only bounded.
+            if settings.contains("off") {
+                continue;
+            }
+            assert!((up - exact).abs() < tolerance, "{settings} at {theta}: {up} instead of {exact}");
+            assert!(up < last + 0.05, "{settings}: {up} at {theta} after {last}");
+            last = up;
+        }
+    });
+}
+
+#[test]
+fn one_to_two_thousand_overlapping_blockers() {
+    let place = |i: usize, step: f64| (i as f64 * step).fract() as f32 - 0.5;
+    let crowd: Vec<Sphere> = (0..2000)
+        .map(|i| Sphere {
+            center: Vec3::new(place(i, 0.754_877_7) * 3.0, 1.5 + place(i, 0.569_840_3), place(i, 0.430_159_7) * 3.0),
+            radius: 0.4,
+        })
+        .collect();
+    let receivers = tilted();
+    every_variant(|settings, baked| {
+        // The shares of thousands of spheres take long to find and are tested with fewer.
+        let most = if settings.contains("shared") { 100 } else { 2000 };
+        for count in [1, 10, 100, 2000].into_iter().filter(|&count| count <= most) {
+            let scene = scene(Environment::constant(Vec3::ONE), &crowd[..count]);
+            let out = shade(baked, &scene, &receivers);
+            assert_bounded(&out, 1.0, settings);
+            // Two thousand blockers leave nothing open, but their logarithms, each band-limited, don't know that.
+            if count == 2000 && !settings.contains("off") && !settings.contains("linear") {
+                assert!(out.at(0).x < 0.7, "{settings}: {} behind {count}", out.at(0).x);
+            }
+        }
+    });
+}
+
+#[test]
+fn the_same_blocker_repeated() {
+    let ball = Sphere { center: Vec3::new(0.3, 1.5, 0.2), radius: 0.7 };
+    let receivers = tilted();
+    every_variant(|settings, baked| {
+        let once = shade(baked, &scene(Environment::constant(Vec3::ONE), &[ball]), &receivers).at(0).x;
+        for count in [2, 16, 300] {
+            let scene = scene(Environment::constant(Vec3::ONE), &vec![ball; count]);
+            let out = shade(baked, &scene, &receivers);
+            assert_bounded(&out, 1.0, settings);
+            // Once was enough, and nobody should grow brighter by it; the exponential of so large a sum is past its
+            // table, though, and may lose a quarter.
+            if !settings.contains("off") {
+                assert!(out.at(0).x < once + 0.25, "{settings}: {} at {count}, {once} alone", out.at(0).x);
+            }
+        }
+    });
+}
+
+#[test]
+fn the_whole_hemisphere_covered() {
+    let cover = [
+        Sphere { center: Vec3::new(0.0, 10.0, 0.0), radius: 9.9999 },
+        Sphere { center: Vec3::new(5.0, 5.0, 0.0), radius: 5.0 },
+        Sphere { center: Vec3::new(-5.0, 5.0, 0.0), radius: 5.0 },
+    ];
+    let receivers = receivers([(Vec3::ZERO, Vec3::Y)]);
+    every_variant(|settings, baked| {
+        let out = shade(baked, &scene(Environment::constant(Vec3::ONE), &cover), &receivers);
+        assert_bounded(&out, 1.0, settings);
+        // One band knows only the mean over the whole sphere of directions: what is below counts as open.
+        let settled = !settings.contains("off") && !settings.contains("linear") && !settings.contains("bands=1");
+        assert!(!settled || out.at(0).x.abs() < 0.35, "{settings}: {}", out.at(0).x);
+    });
+}
+
+#[test]
+fn receivers_inside_on_and_next_to_spheres() {
+    let spheres = [
+        Sphere { center: Vec3::ZERO, radius: 1.0 },
+        Sphere { center: Vec3::new(0.5, 0.2, 0.0), radius: 0.8 },
+        Sphere { center: Vec3::new(1e3, 0.0, 0.0), radius: 999.5 },
+    ];
+    let mut places = Vec::new();
+    for distance in [0.0, 1e-7, 0.5, 1.0 - 1e-7, 1.0, 1.0 + 1e-7, 1.1] {
+        for direction in [Vec3::X, Vec3::Y, Vec3::NEG_Y, Vec3::new(0.0, 0.6, 0.8)] {
+            for normal in [direction, -direction, Vec3::Y, Vec3::Z] {
+                places.push((distance * direction, normal));
+            }
+        }
+    }
+    let receivers = receivers(places);
+    every_variant(|settings, baked| {
+        assert_bounded(&shade(baked, &scene(Environment::constant(Vec3::ONE), &spheres), &receivers), 1.0, settings);
+    });
+}
+
+#[test]
+fn light_from_a_millionth_to_a_million_scales() {
+    let spheres = [Sphere { center: Vec3::new(0.4, 1.2, 0.0), radius: 0.6 }];
+    let receivers = tilted();
+    every_variant(|settings, baked| {
+        let unit = shade(baked, &scene(Environment::constant(Vec3::ONE), &spheres), &receivers);
+        for strength in [1e-6f32, 1e6] {
+            let out = shade(baked, &scene(Environment::constant(Vec3::splat(strength)), &spheres), &receivers);
+            assert_bounded(&out, strength, settings);
+            for (scaled, value) in out.channels[0].iter().zip(&unit.channels[0]) {
+                assert!((scaled / strength - value).abs() < 1e-5, "{settings}: {scaled} {value}");
+            }
+        }
+    });
+}
+
+/// On a straight path through a sphere's boundary, a quarter of the step makes the largest change smaller; a
+/// jump would stay.
+#[test]
+fn continuous_through_a_spheres_boundary() {
+    let spheres =
+        [Sphere { center: Vec3::ZERO, radius: 1.0 }, Sphere { center: Vec3::new(0.4, 0.9, 0.3), radius: 0.5 }];
+    let scene = scene(Environment::constant(Vec3::ONE), &spheres);
+    let largest_step = |baked: &mut dyn Baked, steps: usize, from: Vec3, to: Vec3, normal: Vec3| {
+        let path = receivers((0..=steps).map(|i| (from.lerp(to, i as f32 / steps as f32), normal)));
+        let out = shade(baked, &scene, &path);
+        out.channels[0].windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f32::max)
+    };
+    for bands in 1..=8 {
+        // The published rule jumps, as its documentation says; the bare series diverges, steeper than any step resolves.
+        let left_out = |variant: &&str| variant.contains("published") || variant.contains("scaling=off");
+        for variant in VARIANTS.into_iter().filter(|variant| !left_out(variant)) {
+            let settings = format!("{variant},bands={bands}");
+            let mut baked = baked(&settings);
+            for (from, to, normal) in [
+                (Vec3::new(0.2, -1.6, 0.1), Vec3::new(0.3, 1.6, -0.2), Vec3::Y),
+                (Vec3::new(-1.8, 0.3, 0.0), Vec3::new(1.8, 0.2, 0.1), Vec3::new(0.0, 0.8, 0.6)),
+            ] {
+                let coarse = largest_step(baked.as_mut(), 1000, from, to, normal);
+                let fine = largest_step(baked.as_mut(), 4000, from, to, normal);
+                // Where the magnitude passes the limit, scaling squares once more, and the optimal-linear form of half the
+                // vector squared is not quite that of the whole: a step that sampling finer does not shrink.
+                let jump = if bands <= 4 { 0.02 } else { 0.06 };
+                assert!(fine < (0.7 * coarse).max(jump), "{settings}: {coarse}, then {fine}");
+            }
+        }
+    }
+}
