@@ -244,9 +244,10 @@ fn continuous_through_a_spheres_boundary() {
             ] {
                 let coarse = largest_step(baked.as_mut(), 1000, from, to, normal);
                 let fine = largest_step(baked.as_mut(), 4000, from, to, normal);
-                // Where the magnitude passes the limit, scaling squares once more, and the optimal-linear form of half the
-                // vector squared is not quite that of the whole: a step that sampling finer does not shrink.
-                let jump = if bands <= 4 { 0.02 } else { 0.06 };
+                // Two things sampling finer does not shrink: where the magnitude passes the limit, scaling squares once
+                // more, and the optimal-linear form of half the vector squared is not quite that of the whole; and where
+                // a large cap's eigenvalue meets the clip, its logarithm bends almost as steeply as a step.
+                let jump = if bands <= 4 { 0.02 } else { 0.15 };
                 assert!(fine < (0.7 * coarse).max(jump), "{settings}: {coarse}, then {fine}");
             }
         }
