@@ -47,6 +47,8 @@ struct Point {
 #[derive(Debug, Clone, PartialEq)]
 struct Series {
     name: String,
+    /// What the numbers at its points are.
+    numbers: String,
     color: RGBColor,
     mark: usize,
     points: Vec<Point>,
@@ -102,14 +104,14 @@ fn series(results: &Results, scene: &str, frame: usize, receivers: &str) -> Vec<
                 value.as_str().filter(|_| varies).map(str::to_owned)
             })
             .collect();
-        let numbers: Vec<String> = run
+        let varying: Vec<&str> = run
             .params
             .iter()
             .filter(|(key, value)| {
                 value.is_number()
                     && runs.iter().any(|other| other.strategy == run.strategy && other.params.get(*key) != Some(value))
             })
-            .map(|(_, value)| value.to_string())
+            .map(|(key, _)| key.as_str())
             .collect();
         let name =
             if words.is_empty() { run.strategy.clone() } else { format!("{} {}", run.strategy, words.join(" ")) };
@@ -126,7 +128,7 @@ fn series(results: &Results, scene: &str, frame: usize, receivers: &str) -> Vec<
             error: value,
             error_noise: m.rmse_noise / scale,
             resolved: m.resolved,
-            numbers: numbers.join(", "),
+            numbers: varying.iter().map(|key| run.params[*key].to_string()).collect::<Vec<_>>().join(", "),
         };
         if !(point.frame_ms > 0.0 && point.error > 0.0) {
             continue;
@@ -137,7 +139,8 @@ fn series(results: &Results, scene: &str, frame: usize, receivers: &str) -> Vec<
                 let place = results.strategies.iter().position(|strategy| *strategy == run.strategy).unwrap_or(0);
                 let mark = all.iter().filter(|series| series.name.split(' ').next() == Some(&run.strategy)).count();
                 let color = PALETTE[place % PALETTE.len()];
-                all.push(Series { name, color, mark, points: vec![point] });
+                let numbers = varying.join(", ");
+                all.push(Series { name, numbers, color, mark, points: vec![point] });
             }
         }
     }
@@ -165,7 +168,7 @@ fn pareto_front(series: &[Series]) -> Vec<(f64, f64)> {
 /// The range of `values`, widened by a part of its decades on both sides.
 fn log_range(values: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
     let (low, high) = values.fold((f64::INFINITY, 0.0f64), |(low, high), value| (low.min(value), high.max(value)));
-    let margin = (0.08 * (high / low).log10()).max(0.15);
+    let margin = (0.08 * (high / low).log10()).max(0.08);
     low * 10f64.powf(-margin)..high * 10f64.powf(1.4 * margin)
 }
 
@@ -260,24 +263,40 @@ fn draw<B: DrawingBackend>(
 fn legend<B: DrawingBackend>(area: &DrawingArea<B, Shift>, scale: u32, series: &[Series]) -> Result<(), String> {
     let text = |error: DrawingAreaErrorKind<B::ErrorType>| error.to_string();
     let px = |n: i32| n * scale as i32;
-    let style = || (FAMILY, px(14)).into_font().color(&RGBColor(30, 30, 30));
+    let style = || (FAMILY, px(14)).into_font().color(&RGBColor(30, 30, 30)).pos(Pos::new(HPos::Left, VPos::Center));
     let mut y = px(60);
+    let mut numbers: Vec<String> = Vec::new();
     for series in series {
         area.draw(&PathElement::new(vec![(px(4), y), (px(34), y)], series.color.mix(0.55).stroke_width(2 * scale)))
             .map_err(text)?;
         let (inside, outline) = mark(series.mark, series.color, true, scale);
         area.draw(&(EmptyElement::at((px(19), y)) + inside + outline)).map_err(text)?;
-        area.draw(&Text::new(series.name.clone(), (px(44), y - px(8)), style())).map_err(text)?;
+        area.draw(&Text::new(series.name.clone(), (px(44), y), style())).map_err(text)?;
         y += px(24);
+    }
+    for series in series.iter().filter(|series| !series.numbers.is_empty()) {
+        let strategy = series.name.split(' ').next().unwrap_or("");
+        let line = format!("{strategy}: {}", series.numbers);
+        if !numbers.contains(&line) {
+            numbers.push(line);
+        }
     }
     y += px(8);
     area.draw(&PathElement::new(vec![(px(4), y), (px(34), y)], RGBColor(170, 170, 170).stroke_width(4 * scale)))
         .map_err(text)?;
-    area.draw(&Text::new("Pareto front", (px(44), y - px(8)), style())).map_err(text)?;
+    area.draw(&Text::new("Pareto front", (px(44), y), style())).map_err(text)?;
     if series.iter().flat_map(|series| &series.points).any(|point| !point.resolved) {
         y += px(24);
         area.draw(&Circle::new((px(19), y), px(5), BLACK.stroke_width(scale))).map_err(text)?;
-        area.draw(&Text::new("not resolved by the truth", (px(44), y - px(8)), style())).map_err(text)?;
+        area.draw(&Text::new("not resolved by the truth", (px(44), y), style())).map_err(text)?;
+    }
+    if !numbers.is_empty() {
+        y += px(36);
+        area.draw(&Text::new("numbers at the points:", (px(4), y), style())).map_err(text)?;
+        for line in numbers {
+            y += px(22);
+            area.draw(&Text::new(line, (px(16), y), style())).map_err(text)?;
+        }
     }
     Ok(())
 }
@@ -334,7 +353,7 @@ mod tests {
             numbers: String::new(),
         };
         let points = vec![point(1.0, 0.5), point(2.0, 0.6), point(3.0, 0.1), point(3.0, 0.2), point(4.0, 0.1)];
-        let series = Series { name: String::new(), color: BLACK, mark: 0, points };
+        let series = Series { name: String::new(), numbers: String::new(), color: BLACK, mark: 0, points };
         assert_eq!(pareto_front(&[series]), [(1.0, 0.5), (3.0, 0.1)]);
     }
 

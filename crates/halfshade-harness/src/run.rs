@@ -539,3 +539,59 @@ fn truth_figures(reference: &Reference, samples: usize, mesh: &Reference) -> Tru
 pub(crate) fn file_name(label: &str) -> String {
     label.chars().map(|c| if c.is_ascii_alphanumeric() || matches!(c, '-' | '.') { c } else { '_' }).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clock::mock::MockClock;
+    use halfshade_scene::{Camera, Environment, RadianceMut, Receivers};
+    use halfshade_strategy::Footprint;
+    use std::{sync::Arc, time::Duration};
+
+    /// Takes 2 ms to prepare the frame it is asked for and 100 ms for any other, and 5 ms to shade.
+    struct Steady(Arc<MockClock>);
+
+    impl Baked for Steady {
+        fn footprint(&self) -> Footprint {
+            Footprint::default()
+        }
+
+        fn prepare(&mut self, frame: &Frame<'_>) -> Result<(), StrategyError> {
+            self.0.advance(Duration::from_millis(if frame.index == 7 { 2 } else { 100 }));
+            Ok(())
+        }
+
+        fn shade(&self, _receivers: Receivers<'_>, _out: RadianceMut<'_>) {
+            self.0.advance(Duration::from_millis(5));
+        }
+    }
+
+    #[test]
+    fn preparing_and_shading_are_charged_apart_and_the_neighbour_is_free() {
+        let scene = Scene {
+            name: "empty".into(),
+            objects: Vec::new(),
+            environment: Environment::constant(Vec3::ONE),
+            environment_turn_per_sec: 0.0,
+            lights: Vec::new(),
+            camera: Camera { eye: Vec3::Z, target: Vec3::ZERO, vertical_fov_degrees: 40.0, resolution: [1, 1] },
+            frames_per_sec: 30.0,
+            frame_count: 10,
+        };
+        let clock = Arc::new(MockClock::default());
+        let mut receivers = ReceiverBuffer::default();
+        receivers.push(Vec3::ZERO, Vec3::Y, Vec3::ONE, 0);
+        let mut radiance = RadianceBuffer::zeros(1);
+        let mut steady = Steady(clock.clone());
+        let (neighbour, frame) = (scene.frame(6), scene.frame(7));
+        let sample = timed_frame(clock.as_ref(), &mut steady, &neighbour, &frame, &receivers, &mut radiance).unwrap();
+        assert_eq!(sample, Sample { prepare_secs: 0.002, shade_secs: 0.005 });
+        let figures = TimeFigures::of(1.0, 2, vec![sample; 3]);
+        assert!((figures.frames_per_sec.unwrap() - 1.0 / 0.007).abs() < 1e-9);
+    }
+
+    #[test]
+    fn file_names_hold_nothing_that_a_file_system_minds() {
+        assert_eq!(file_name("sh-exp:exp=a/b,n=2"), "sh-exp_exp_a_b_n_2");
+    }
+}
