@@ -16,7 +16,7 @@ use serde::Serialize;
 use std::sync::Arc;
 
 /// Raise whenever the same mesh and options would give another set.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 /// Longest edge, as a fraction of the mesh's largest extent, below which an uncovered piece of a triangle is covered by
 /// growing a sphere instead of being cut further.
 const COVER_TOLERANCE: f64 = 2e-4;
@@ -38,7 +38,8 @@ pub struct BuildOptions {
     pub seed: u64,
     /// Independent starts, of which the best is kept; at least 1.
     pub restarts: usize,
-    /// Attempts per start to leave a local minimum by teleporting a sphere.
+    /// Attempts per start to leave a local minimum by teleporting a sphere; above 64 spheres in
+    /// proportion fewer, as of `jumps`.
     pub teleports: usize,
     /// Whether to lower the outside volume of the union after the sum over spheres; the published method doesn't.
     pub polish: bool,
@@ -108,7 +109,10 @@ impl SphereSet {
         } else {
             Vec::new()
         };
-        let steps = 1 + options.teleports + if options.polish { 1 + options.jumps } else { 0 };
+        // The work of one attempt grows with the count, and with many spheres one more or less matters little.
+        let affordable = |attempts: usize| if count > 64 { attempts * 64 / count } else { attempts };
+        let (teleports, jumps) = (affordable(options.teleports), affordable(options.jumps));
+        let steps = 1 + teleports + if options.polish { 1 + jumps } else { 0 };
         progress.start("fitting spheres", (restarts * steps) as u64);
         let fitted: Vec<(f64, Vec<Ball>)> = (0..restarts as u64)
             .into_par_iter()
@@ -117,10 +121,10 @@ impl SphereSet {
                 let surface = surface_points(&mesh.corners, (30 * count).clamp(400, 6_000), &mut rng);
                 let inner = inner_points(&solid.columns, mesh.bounds, surface.len() / 2);
                 let target = Target::new(&solid.columns, [surface, inner].concat());
-                let mut balls = target.fit(count, options.teleports, &mut rng, progress);
+                let mut balls = target.fit(count, teleports, &mut rng, progress);
                 if options.polish {
                     let polish = Polish::new(&solid.columns, &fine, area);
-                    balls = polish.improve(balls, options.jumps, &mut rng, progress);
+                    balls = polish.improve(balls, jumps, &mut rng, progress);
                 }
                 // What counts is the volume after bounding, not before.
                 let mut bounded = balls.clone();
