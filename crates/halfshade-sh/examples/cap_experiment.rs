@@ -5,14 +5,13 @@
 //! spheres of one object are.
 
 use halfshade_sh::exponential::{self, Exponential, Method};
-use halfshade_sh::kernel::{self, CapBatch};
+use halfshade_sh::kernel::{CapBatch, ExposedShares};
 use halfshade_sh::logarithm::DEFAULT_CLIP;
 use halfshade_sh::quadrature::SphereQuadrature;
 use halfshade_sh::{basis, zonal, zonal_algebra};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::f64::consts::PI;
-use wide::f32x8;
 
 type Cap = ([f64; 3], f64);
 
@@ -42,8 +41,8 @@ fn crowd(random: &mut Pcg64Mcg, count: usize) -> Vec<Cap> {
 /// `1 - Σ w_i cap_i` with the caps' exposed shares.
 fn by_shares(bands: usize, caps: &[Cap], points: usize) -> Vec<f64> {
     let batch: Vec<CapBatch> = caps.iter().map(|&(direction, radius)| CapBatch::splat(direction, radius)).collect();
-    let mut shares = vec![f32x8::ZERO; caps.len()];
-    kernel::exposed_shares(&batch, points, &mut shares);
+    let mut exposed = ExposedShares::new(points, caps.len());
+    let shares = exposed.evaluate(batch);
     caps.iter().zip(shares).fold(basis::one(bands), |mut visibility, (&(axis, radius), share)| {
         let share = f64::from(share.to_array()[0]);
         let cap = zonal::rotate_to_axis(&zonal::cap(bands, radius.cos()), axis);

@@ -12,7 +12,7 @@ mod table;
 
 pub use exponential::{BatchExponential, limit_to_visibility};
 pub use lane::Lane;
-pub use shares::{CapBatch, exposed_shares};
+pub use shares::{CapBatch, ExposedShares};
 pub use straight_line::{accumulate_lobe, basis, product, product_one, square, square_one};
 
 use wide::f32x8;

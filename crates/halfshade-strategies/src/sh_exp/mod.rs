@@ -11,6 +11,11 @@
 //!
 //! `exp=product` multiplies the blockers one after another instead (eq. 4.6), which is what the logarithm approximates.
 //!
+//! Two variants go beyond the papers. `exp=quadratic` replaces the optimal-linear form within the hybrid by the first two
+//! powers of the series, see [`halfshade_sh::exponential::Method::Quadratic`]. `exp=shares` has no exponential: where k
+//! spheres overlap as the receiver sees them, each is given 1/k of the direction, and V is 1 minus the caps times their
+//! shares, found at `points` points per sphere, see [`halfshade_sh::kernel::ExposedShares`].
+//!
 //! **Bounds.** The exponential holds V to what a function with values in [0, 1] can be: `0 ≤ V_0 ≤ √4π` and
 //! `|V|² ≤ √4π V_0`. Outgoing radiance under distant light is therefore finite and at most `|L_ρ(n)| √4π` in magnitude;
 //! for constant light that is 1.64 times the unshadowed value. Such ringing is reported, not hidden, unless
@@ -21,6 +26,7 @@
 //! blockers multiply as if band-limited functions were exact, which leaves dense sets too bright or too dark.
 
 mod blockers;
+mod exposed;
 mod light_product;
 mod shade;
 
@@ -57,14 +63,19 @@ impl Strategy for ShExp {
             parameters: vec![
                 parameter(
                     "exp",
-                    "how blockers combine: one product after another, or the exponential of the summed logarithms",
-                    choice(&["product", "series", "optimal-linear", "hybrid"], "hybrid"),
+                    "how blockers combine: product, one after another; the exponential of summed logarithms; or exposed shares",
+                    choice(&["product", "series", "optimal-linear", "hybrid", "quadratic", "shares"], "hybrid"),
                 ),
                 parameter("bands", "bands of visibility", ParameterKind::Integer { default: 4, min: 1, max: 8 }),
                 parameter(
                     "magnitude-limit",
-                    "hybrid: magnitude below which scaling stops and squaring starts",
+                    "hybrid, quadratic, series: magnitude below which scaling stops and squaring starts",
                     ParameterKind::Float { default: 1.0, min: 0.01, max: 100.0 },
+                ),
+                parameter(
+                    "points",
+                    "shares: points per sphere that ask how many others cover them",
+                    ParameterKind::Integer { default: 4, min: 1, max: 64 },
                 ),
                 parameter("terms", "series: highest power", ParameterKind::Integer { default: 9, min: 1, max: 16 }),
                 parameter(
@@ -113,18 +124,25 @@ impl Strategy for ShExp {
             }),
             "optimal-linear" => Some(Method::OptimalLinear),
             "hybrid" => Some(Method::Hybrid { magnitude_limit: limit }),
+            "quadratic" => Some(Method::Quadratic { magnitude_limit: limit }),
             _ => None,
         };
         progress.start("tables of blockers and light", 2);
         let unsupported = || StrategyError::Failed(format!("{bands} bands: there are kernels for 1 to 8"));
-        let quantity = if method.is_some() { Quantity::Logarithm { clip } } else { Quantity::BlockerMinusOne };
-        let table = BlockerTable::build(bands, quantity).ok_or_else(unsupported)?;
-        let exponential = match method {
-            Some(method) => {
-                Some(BatchExponential::new(&Exponential::new(bands, method, clip)).ok_or_else(unsupported)?)
+        let combination = match method {
+            Some(method) => Combination::Exponential(
+                BatchExponential::new(&Exponential::new(bands, method, clip)).ok_or_else(unsupported)?,
+            ),
+            None if params.choice("exp") == "shares" => {
+                Combination::Shares { points: params.integer("points") as usize }
             }
-            None => None,
+            None => Combination::Product,
         };
+        let quantity = match combination {
+            Combination::Exponential(_) => Quantity::Logarithm { clip },
+            Combination::Product | Combination::Shares { .. } => Quantity::BlockerMinusOne,
+        };
+        let table = BlockerTable::build(bands, quantity).ok_or_else(unsupported)?;
         progress.advance(1);
         let window = match params.choice("window") {
             "hann" => Window::Hann,
@@ -142,13 +160,24 @@ impl Strategy for ShExp {
             rule: if params.choice("rule") == "published" { AdjustRule::Published } else { AdjustRule::Continuous },
             clamp: params.choice("clamp") == "on",
             table,
-            exponential,
+            combination,
             light,
             overlap,
             shares,
             blockers: Blockers::default(),
         }))
     }
+}
+
+/// How the blockers of a receiver become its visibility.
+#[derive(Debug)]
+enum Combination {
+    /// One product after another.
+    Product,
+    /// Each takes away its share.
+    Shares { points: usize },
+    /// Logarithms are summed.
+    Exponential(BatchExponential),
 }
 
 /// Tables of the scene, spheres and light of the frame.
@@ -158,8 +187,7 @@ struct Prepared {
     rule: AdjustRule,
     clamp: bool,
     table: BlockerTable,
-    /// `None`: blockers are multiplied one after another.
-    exponential: Option<BatchExponential>,
+    combination: Combination,
     light: LightProduct,
     overlap: Overlap,
     shares: Shares,

@@ -1,6 +1,6 @@
 //! The inner loops: eight receivers side by side, one sphere after another.
 
-use super::Prepared;
+use super::{Combination, Prepared, exposed::Exposure};
 use halfshade_scene::{RadianceMut, Receivers};
 use halfshade_sh::{
     blocker_table::BlockerTable,
@@ -20,6 +20,10 @@ pub(super) fn shade<const N: usize>(prepared: &Prepared, receivers: Receivers<'_
             rotation[3 * axis].mul_add(v[0], rotation[3 * axis + 1].mul_add(v[1], rotation[3 * axis + 2] * v[2]))
         })
     };
+    let mut exposure = match prepared.combination {
+        Combination::Shares { points } => Exposure::new(points, prepared.blockers.spheres.len()),
+        _ => Exposure::new(1, 0),
+    };
     let mut start = 0;
     while start < count {
         let lanes = (count - start).min(LANES);
@@ -29,9 +33,10 @@ pub(super) fn shade<const N: usize>(prepared: &Prepared, receivers: Receivers<'_
             f32x8::from(load(receivers.position[axis]).map(|x| (f64::from(x) - center[axis]) as f32))
         }));
         let normal = turn(receivers.normal.map(|axis| f32x8::from(load(axis))));
-        let visibility = match &prepared.exponential {
-            Some(exponential) => exponentiated::<N>(prepared, exponential, &position, &normal),
-            None => multiplied::<N>(prepared, &position, &normal),
+        let visibility = match &prepared.combination {
+            Combination::Exponential(exponential) => exponentiated::<N>(prepared, exponential, &position, &normal),
+            Combination::Product => multiplied::<N>(prepared, &position, &normal),
+            Combination::Shares { .. } => exposure.visibility::<N>(prepared, &position, &normal),
         };
         let radiance = prepared.light.dot(&normal, &visibility, prepared.clamp);
         for (channel, values) in radiance.into_iter().enumerate() {

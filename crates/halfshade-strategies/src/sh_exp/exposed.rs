@@ -1,0 +1,47 @@
+//! `exp=shares`: visibility as one minus what each sphere alone covers, in place of products and exponentials.
+
+use super::Prepared;
+use super::blockers::Seen;
+use halfshade_sh::kernel::{self, CapBatch, ExposedShares, ShBatch};
+use wide::f32x8;
+
+/// Memory for one batch of receivers, sized by the number of spheres once.
+pub(super) struct Exposure {
+    seen: Vec<Seen>,
+    shares: ExposedShares,
+}
+
+impl Exposure {
+    pub(super) fn new(points: usize, spheres: usize) -> Self {
+        Self { seen: Vec::with_capacity(spheres), shares: ExposedShares::new(points, spheres) }
+    }
+
+    /// `V = 1 - Σ w_s cap_s` with the exposed shares w_s of [`ExposedShares`], held to the range of visibility.
+    ///
+    /// A lane that sees nothing of a sphere has a cap of 0 there, which takes nothing from any other's share.
+    #[inline(never)]
+    pub(super) fn visibility<const N: usize>(
+        &mut self,
+        prepared: &Prepared,
+        position: &[f32x8; 3],
+        normal: &[f32x8; 3],
+    ) -> ShBatch<N> {
+        let spheres = prepared.blockers.spheres.iter();
+        self.seen.clear();
+        self.seen.extend(spheres.filter_map(|blocker| blocker.seen_from(position, normal, prepared.rule)));
+        let caps = self.seen.iter().map(|seen| CapBatch {
+            direction: seen.direction,
+            // 1 - cos θ without cancellation.
+            versine: seen.sin_squared / (f32x8::ONE + (f32x8::ONE - seen.sin_squared).sqrt()),
+        });
+        let shares = self.shares.evaluate(caps);
+        let mut visibility = [f32x8::ZERO; N];
+        for (seen, &share) in self.seen.iter().zip(shares) {
+            let scale = prepared.table.lookup(seen.sin_squared).map(|value| value * share);
+            kernel::accumulate_lobe(seen.direction, &scale, &mut visibility);
+        }
+        visibility[0] += f32x8::splat((4.0 * std::f32::consts::PI).sqrt());
+        kernel::limit_to_visibility(&mut visibility);
+        visibility
+    }
+}
