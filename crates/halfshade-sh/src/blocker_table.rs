@@ -1,9 +1,10 @@
 //! Tables of blocker and log-blocker zonal vectors by angular radius, for the f32 kernels.
 //!
 //! The variable is `u = 1 - cos θ` in (0, 1], proportional to the solid angle. What is stored is the vector divided by
-//! u, which is smooth and has a finite limit at u = 0: so a tiny blocker's lookup is right to first order however
-//! coarse the table, and goes to exactly 0 with the blocker. The receiver's side gives `sin²θ = r²/d²`, from which
-//! `u = sin²θ/(1 + cos θ)` without cancellation and without any inverse trigonometric function.
+//! `sin²θ = u(2 - u)`, which is smooth and has a finite limit at u = 0: so a tiny blocker's lookup is right to first
+//! order however coarse the table, and goes to exactly 0 with the blocker. The receiver's side gives `sin²θ = r²/d²`,
+//! from which `u = 1 - sqrt(1 - sin²θ)`, without any inverse trigonometric function; what cancels there only moves the
+//! place in the table, where next to nothing changes.
 
 use crate::kernel::{LANES, MAX_BANDS};
 use crate::{zonal, zonal_algebra};
@@ -47,10 +48,9 @@ impl Quantity {
 #[derive(Debug, Clone)]
 pub struct BlockerTable {
     bands: usize,
-    /// Per interval, `ROW_PARTS` rows of four values and their four differences to the next interval: one aligned
-    /// load per lane, and a transpose turns eight of them into lanes.
-    rows: Vec<[f32; LANES]>,
-    parts: usize,
+    /// Per four bands a table; per interval four values and their four differences to the next interval: one aligned
+    /// load per lane, and a transpose turns eight of them into lanes. Arrays, so that a masked index needs no check.
+    parts: Vec<Box<[f32x8; INTERVALS]>>,
 }
 
 /// Bands in one row.
@@ -62,25 +62,25 @@ impl BlockerTable {
         if !(1..=MAX_BANDS).contains(&bands) {
             return None;
         }
-        let parts = bands.div_ceil(ROW_BANDS);
         let ratio = |interval: usize| -> [f64; MAX_BANDS] {
             let u = (interval as f64 / INTERVALS as f64).max(NEARLY_ZERO);
             let vector = quantity.zonal(bands, u);
-            std::array::from_fn(|l| vector.get(l).map_or(0.0, |g| g * zonal::rotation_scale(l) / u))
+            std::array::from_fn(|l| vector.get(l).map_or(0.0, |g| g * zonal::rotation_scale(l) / (u * (2.0 - u))))
         };
-        let mut rows = Vec::with_capacity(INTERVALS * parts);
-        let mut here = ratio(0);
-        for interval in 0..INTERVALS {
-            let next = ratio(interval + 1);
-            for part in 0..parts {
-                rows.push(std::array::from_fn(|column| {
-                    let l = part * ROW_BANDS + column % ROW_BANDS;
-                    if column < ROW_BANDS { here[l] as f32 } else { (next[l] - here[l]) as f32 }
-                }));
-            }
-            here = next;
-        }
-        Some(Self { bands, rows, parts })
+        let ratios: Vec<[f64; MAX_BANDS]> = (0..=INTERVALS).map(ratio).collect();
+        let parts = (0..bands.div_ceil(ROW_BANDS))
+            .map(|part| {
+                let mut rows = Box::new([f32x8::ZERO; INTERVALS]);
+                for (row, pair) in rows.iter_mut().zip(ratios.windows(2)) {
+                    *row = f32x8::from(std::array::from_fn::<f32, LANES, _>(|column| {
+                        let l = part * ROW_BANDS + column % ROW_BANDS;
+                        if column < ROW_BANDS { pair[0][l] as f32 } else { (pair[1][l] - pair[0][l]) as f32 }
+                    }));
+                }
+                rows
+            })
+            .collect();
+        Some(Self { bands, parts })
     }
 
     /// Bands per entry.
@@ -90,29 +90,33 @@ impl BlockerTable {
 
     /// Memory in bytes.
     pub fn bytes(&self) -> usize {
-        std::mem::size_of_val(self.rows.as_slice())
+        self.parts.len() * std::mem::size_of::<[f32x8; INTERVALS]>()
     }
 
-    /// Zonal vectors, times `sqrt(4π/(2l+1))`, for eight blockers of the given squared sines of angular radius; bands
-    /// past [`bands`](Self::bands) are 0.
+    /// Zonal vectors, times `sqrt(4π/(2l+1))`, for eight blockers of the given squared sines of angular radius, for
+    /// `N = bands²` coefficients; what is past these bands is 0.
     ///
     /// Sines are clamped to [0, 1] (NaN counts as 0). 0 gives exactly 0.
+    ///
+    /// # Panics
+    /// If the table has fewer bands.
     #[inline(always)]
-    pub fn lookup(&self, sin_squared: f32x8) -> [f32x8; MAX_BANDS] {
-        let sin_squared = sin_squared.max(f32x8::ZERO).min(f32x8::ONE);
-        let cosine = (f32x8::ONE - sin_squared).sqrt();
-        let u = sin_squared / (f32x8::ONE + cosine);
-        let at = u * f32x8::splat(INTERVALS as f32);
-        let last = f32x8::splat((INTERVALS - 1) as f32);
-        let interval = at.floor().min(last);
+    pub fn lookup<const N: usize>(&self, sin_squared: f32x8) -> [f32x8; MAX_BANDS] {
+        // First the maximum that knows NaN; after it there is none.
+        let sin_squared = sin_squared.max(f32x8::ZERO).fast_min(f32x8::ONE);
+        let count = f32x8::splat(INTERVALS as f32);
+        let at = (f32x8::ONE - sin_squared).sqrt().mul_neg_add(count, count);
+        let interval = at.floor().fast_min(f32x8::splat((INTERVALS - 1) as f32));
         let t = at - interval;
-        let intervals = interval.trunc_int().to_array();
+        let intervals = interval.fast_trunc_int().to_array();
         let mut values = [f32x8::ZERO; MAX_BANDS];
-        for part in 0..self.parts {
-            let rows = intervals.map(|interval| f32x8::from(self.rows[interval as usize * self.parts + part]));
-            let columns = f32x8::transpose(rows);
-            for l in 0..ROW_BANDS {
-                values[part * ROW_BANDS + l] = columns[ROW_BANDS + l].mul_add(t, columns[l]) * u;
+        // Constant bounds, so that everything stays in registers.
+        let bands = const { N.isqrt() };
+        for part in 0..bands.div_ceil(ROW_BANDS) {
+            let table = &self.parts[part];
+            let columns = f32x8::transpose(intervals.map(|interval| table[interval as usize % INTERVALS]));
+            for l in 0..ROW_BANDS.min(bands - part * ROW_BANDS) {
+                values[part * ROW_BANDS + l] = columns[ROW_BANDS + l].mul_add(t, columns[l]) * sin_squared;
             }
         }
         values
@@ -123,6 +127,7 @@ impl BlockerTable {
 mod tests {
     use super::*;
     use crate::basis;
+    use crate::dispatch_bands;
     use crate::logarithm::DEFAULT_CLIP;
 
     /// Error of the lookup relative to the vector's magnitude, at `sines`.
@@ -132,7 +137,7 @@ mod tests {
             .iter()
             .map(|&sine| {
                 let squared = (sine * sine) as f32;
-                let found = table.lookup(f32x8::splat(squared));
+                let found = dispatch_bands!(bands, N => table.lookup::<N>(f32x8::splat(squared))).unwrap();
                 let squared = f64::from(squared);
                 let u = squared / (1.0 + (1.0 - squared).sqrt());
                 let expected = quantity.zonal(bands, u);
@@ -163,7 +168,7 @@ mod tests {
     #[test]
     fn limits_are_defined() {
         let table = BlockerTable::build(4, Quantity::Logarithm { clip: DEFAULT_CLIP }).unwrap();
-        let found = table.lookup(f32x8::from([0.0, -1.0, f32::NAN, 2.0, 1.0, f32::INFINITY, 1e-30, 1e-12]));
+        let found = table.lookup::<16>(f32x8::from([0.0, -1.0, f32::NAN, 2.0, 1.0, f32::INFINITY, 1e-30, 1e-12]));
         for value in &found[..4] {
             let lanes = value.to_array();
             assert_eq!(lanes[..3], [0.0; 3]);

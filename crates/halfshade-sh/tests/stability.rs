@@ -44,7 +44,7 @@ fn sums<const N: usize>(
         let lanes: [_; LANES] = std::array::from_fn(|lane| blocker(lane, number));
         let direction = std::array::from_fn(|axis| f32x8::from(lanes.map(|(d, _)| d[axis] as f32)));
         let sin_squared = f32x8::from(lanes.map(|(_, radius)| (radius.sin() * radius.sin()) as f32));
-        kernel::accumulate_lobe(direction, &table.lookup(sin_squared), &mut sum);
+        kernel::accumulate_lobe(direction, &table.lookup::<N>(sin_squared), &mut sum);
     }
     sum
 }

@@ -1,6 +1,7 @@
 //! A table over directions: the sphere unfolded onto a square through an octahedron, interpolated over triangles.
 
 use glam::Vec3;
+use wide::f32x8;
 
 /// Nodes on the octahedral unfolding of the sphere, `2 · half + 1` along each side.
 ///
@@ -74,6 +75,36 @@ impl OctahedralGrid {
         };
         OctahedralWeights { nodes: [near, node(i + 1, j), node(i, j + 1)], weights }
     }
+
+    /// [`lookup`](Self::lookup) of eight directions: per corner the eight nodes and the eight weights. Finite, not zero.
+    #[inline(always)]
+    pub fn lookup_batch(&self, direction: &[f32x8; 3]) -> ([[i32; 8]; 3], [f32x8; 3]) {
+        let one = f32x8::ONE;
+        let [x, y, z] = *direction;
+        let scale = one / (x.abs() + y.abs() + z.abs()).fast_max(f32x8::splat(f32::MIN_POSITIVE));
+        let (x_part, z_part) = ((x * scale).abs(), (z * scale).abs());
+        let upper = y.simd_ge(f32x8::ZERO);
+        let half = f32x8::splat(self.half as f32);
+        let place = |inner: f32x8, folded: f32x8| {
+            (upper.select(inner, one - folded) * half).fast_max(f32x8::ZERO).fast_min(half)
+        };
+        let (a, b) = (place(x_part, z_part), place(z_part, x_part));
+        let last = half - one;
+        let (i, j) = (a.floor().fast_min(last), b.floor().fast_min(last));
+        let (s, t) = (a - i, b - j);
+        let sum = s + t;
+        let far = sum.simd_gt(one);
+        let (sign_x, sign_z) = (one.copysign(x), one.copysign(z));
+        // Whole numbers far below 2^24: exact.
+        let side = f32x8::splat((2 * self.half + 1) as f32);
+        let node = |i: f32x8, j: f32x8| -> [i32; 8] {
+            let (column, row) = (sign_x.mul_add(i, half), sign_z.mul_add(j, half));
+            row.mul_add(side, column).fast_trunc_int().to_array()
+        };
+        let step = far.select(one, f32x8::ZERO);
+        let nodes = [node(i + step, j + step), node(i + one, j), node(i, j + one)];
+        (nodes, [(one - sum).abs(), far.select(one - t, s), far.select(one - s, t)])
+    }
 }
 
 #[cfg(test)]
@@ -97,6 +128,27 @@ mod tests {
             let direction: Vec3 =
                 (0..3).map(|k| found.weights[k] * grid.direction(found.nodes[k])).fold(Vec3::ZERO, |a, b| a + b);
             assert!(direction.distance(grid.direction(node)) < 1e-5, "{node}");
+        }
+    }
+
+    #[test]
+    fn eight_at_a_time_find_what_one_finds() {
+        let grid = OctahedralGrid::new(7);
+        let directions: Vec<Vec3> =
+            spiral(4_000).chain([Vec3::X, -Vec3::X, Vec3::Y, -Vec3::Y, Vec3::Z, -Vec3::Z]).collect();
+        for eight in directions.windows(8).step_by(3) {
+            let batch: [f32x8; 3] =
+                std::array::from_fn(|k| f32x8::from(std::array::from_fn::<_, 8, _>(|i| eight[i][k])));
+            let (nodes, weights) = grid.lookup_batch(&batch);
+            for (lane, &direction) in eight.iter().enumerate() {
+                // By the value that is interpolated: on a border either side may be found.
+                let value = |nodes: [usize; 3], weights: [f32; 3]| -> Vec3 {
+                    (0..3).map(|k| weights[k] * grid.direction(nodes[k])).fold(Vec3::ZERO, |a, b| a + b)
+                };
+                let one = grid.lookup(direction);
+                let batch = value(nodes.map(|n| n[lane] as usize), weights.map(|w| w.to_array()[lane]));
+                assert!(batch.distance(value(one.nodes, one.weights)) < 1e-5, "{direction}");
+            }
         }
     }
 

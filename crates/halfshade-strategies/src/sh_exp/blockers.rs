@@ -120,30 +120,35 @@ impl Blocker {
     /// tangent, where the rules' square roots magnify rounding (but what remains of the sphere is small there).
     #[inline(always)]
     pub(super) fn seen_from(&self, position: &[f32x8; 3], normal: &[f32x8; 3], rule: AdjustRule) -> Option<Seen> {
+        let dot = |a: &[f32x8; 3], b: &[f32x8; 3]| a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]));
         let radius = f32x8::splat(self.radius);
         let offset: [f32x8; 3] = std::array::from_fn(|axis| f32x8::splat(self.center[axis]) - position[axis]);
-        let height = offset[0].mul_add(normal[0], offset[1].mul_add(normal[1], offset[2] * normal[2]));
-        let front = ((radius + height) * f32x8::splat(0.5)).max(f32x8::ZERO).min(radius);
-        if !front.simd_gt(f32x8::ZERO).any() {
-            return None;
-        }
-        let foot: [f32x8; 3] = std::array::from_fn(|axis| height.mul_neg_add(normal[axis], offset[axis]));
-        let foot_squared = foot[0].mul_add(foot[0], foot[1].mul_add(foot[1], foot[2] * foot[2]));
-        // Relative floor: where the plane does not cut, the quotient only has to be defined.
-        let floor = f32x8::splat((self.radius * self.radius * 1e-12).max(f32::MIN_POSITIVE));
-        let cut_squared = ((radius - height) * (radius + height)).max(floor);
-        let outside = (foot_squared / cut_squared).sqrt() - f32x8::ONE;
-        let fade = match rule {
-            AdjustRule::Continuous => height * f32x8::splat(1.0 / (FADE_HEIGHT as f32 * self.radius)),
-            AdjustRule::Published => height.simd_ge(f32x8::ZERO).select(f32x8::ONE, f32x8::ZERO),
+        let height = dot(&offset, normal);
+        let (moved, reach) = if height.simd_lt(radius).any() {
+            let front = ((radius + height) * f32x8::splat(0.5)).fast_max(f32x8::ZERO).fast_min(radius);
+            if !front.simd_gt(f32x8::ZERO).any() {
+                return None;
+            }
+            let foot: [f32x8; 3] = std::array::from_fn(|axis| height.mul_neg_add(normal[axis], offset[axis]));
+            // Relative floor: where the plane does not cut, the quotient only has to be defined.
+            let floor = f32x8::splat((self.radius * self.radius * 1e-12).max(f32::MIN_POSITIVE));
+            let cut_squared = ((radius - height) * (radius + height)).fast_max(floor);
+            let outside = (dot(&foot, &foot) / cut_squared).sqrt() - f32x8::ONE;
+            let fade = match rule {
+                AdjustRule::Continuous => height * f32x8::splat(1.0 / (FADE_HEIGHT as f32 * self.radius)),
+                AdjustRule::Published => height.simd_ge(f32x8::ZERO).select(f32x8::ONE, f32x8::ZERO),
+            };
+            let scale = outside.fast_max(fade).fast_max(f32x8::ZERO).fast_min(f32x8::ONE);
+            let lift = height.fast_max(front) - height;
+            (std::array::from_fn(|axis| lift.mul_add(normal[axis], offset[axis])), scale * front)
+        } else {
+            // Nobody's plane cuts it: what the rules above come to then, bit by bit.
+            (offset, radius)
         };
-        let scale = outside.max(fade).max(f32x8::ZERO).min(f32x8::ONE);
-        let lifted = height.max(front);
-        let inverse_distance =
-            f32x8::ONE / lifted.mul_add(lifted, foot_squared).max(f32x8::splat(f32::MIN_POSITIVE)).sqrt();
-        let sine = (scale * front * inverse_distance).min(f32x8::ONE);
-        let direction = std::array::from_fn(|axis| lifted.mul_add(normal[axis], foot[axis]) * inverse_distance);
-        Some(Seen { direction, sin_squared: sine * sine })
+        let per_distance_squared = f32x8::ONE / dot(&moved, &moved).fast_max(f32x8::splat(f32::MIN_POSITIVE));
+        let sin_squared = (reach * reach * per_distance_squared).fast_min(f32x8::ONE);
+        let per_distance = per_distance_squared.sqrt();
+        Some(Seen { direction: moved.map(|axis| axis * per_distance), sin_squared })
     }
 }
 

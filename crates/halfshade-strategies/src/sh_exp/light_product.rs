@@ -5,18 +5,23 @@
 //! ```
 //!
 //! projected directly, not as a product of two band-limited functions: whatever V's number of bands, nothing blocked gives
-//! the exact irradiance. Constant light is a zonal function about the normal; the sun is its irradiance times the mean of
-//! the basis over its cap (exact unless the horizon cuts the cap); a map is a sum over cells, tabulated over normals. All
-//! in the environment's own space. A window against ringing is folded in here, since (w V)·L = V·(w L).
+//! the exact irradiance. Constant light is a zonal function about the normal; the sun is in [`super::sun_product`]; a map
+//! is a sum over cells, tabulated over normals. All in the environment's own space. A window against ringing is folded in here, since (w V)·L = V·(w L).
 
-use glam::{DVec3, Vec3};
+use super::sun_product::SunProduct;
+use glam::Vec3;
 use halfshade_scene::{
     Environment,
-    light::{DirectionalCells, DistantLight, OctahedralGrid, Sun},
+    light::{DirectionalCells, DistantLight, OctahedralGrid},
 };
-use halfshade_sh::{basis, kernel::ShBatch, window::Window, zonal};
+use halfshade_sh::{
+    basis,
+    kernel::{LANES, ShBatch},
+    window::Window,
+    zonal,
+};
 use rayon::prelude::*;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 use wide::f32x8;
 
 /// Light that has been multiplied with the cosine, ready to be multiplied with visibility.
@@ -24,17 +29,15 @@ use wide::f32x8;
 pub(super) struct LightProduct {
     bands: usize,
     base: DistantLight,
-    sun: Option<Sun>,
+    sun: Option<SunProduct>,
     grid: OctahedralGrid,
     window: Window,
     /// Clamped cosine over π by band, times the rotation's sqrt(4π/(2l+1)) and the window: constant light.
     cosine: Vec<f32>,
-    /// Per node and channel the coefficients of L_ρ; empty unless the light is a map.
-    table: Vec<f32>,
+    /// Per node and channel the coefficients of L_ρ, filled up with zeros; empty unless the light is a map.
+    table: Vec<f32x8>,
     /// Channels in the table: 1 for a grey map.
     channels: usize,
-    /// Mean of each basis function over the sun's cap, windowed.
-    sun_basis: Vec<f32>,
 }
 
 impl LightProduct {
@@ -51,7 +54,6 @@ impl LightProduct {
             cosine,
             table: Vec::new(),
             channels: 1,
-            sun_basis: Vec::new(),
         };
         product.set(environment);
         product
@@ -63,18 +65,11 @@ impl LightProduct {
             self.base = environment.base.clone();
             self.tabulate();
         }
-        if self.sun != environment.sun || self.sun_basis.is_empty() {
-            self.sun = environment.sun;
-            self.sun_basis = self.sun.map_or(Vec::new(), |sun| {
-                let direction = sun.direction.as_dvec3().normalize_or(DVec3::Y);
-                let half_sine = (0.5 * f64::from(sun.angular_radius)).sin();
-                let solid_angle = TAU * 2.0 * half_sine * half_sine;
-                let mut mean: Vec<f64> = zonal::cap_from_versine(self.bands, 2.0 * half_sine * half_sine);
-                mean.iter_mut().for_each(|value| *value /= solid_angle);
-                let mut mean = zonal::rotate_to_axis(&mean, direction.to_array());
-                self.window.apply(&mut mean);
-                mean.iter().map(|&value| value as f32).collect()
-            });
+        if !match (&self.sun, &environment.sun) {
+            (Some(known), Some(sun)) => known.is_of(sun),
+            (known, sun) => known.is_none() && sun.is_none(),
+        } {
+            self.sun = environment.sun.map(|sun| SunProduct::new(self.bands, sun, self.window));
         }
     }
 
@@ -93,13 +88,14 @@ impl LightProduct {
                 values.into_iter().map(|value| (value / PI) as f32)
             })
             .collect();
-        let row = self.channels * count;
+        let padded = count.next_multiple_of(LANES);
+        let row = self.channels * padded;
         let mut table = vec![0.0; self.grid.node_count() * row];
         let (grid, channels) = (self.grid, self.channels);
         table.par_chunks_mut(row).enumerate().for_each(|(node, row)| {
             let normal = grid.direction(node);
             for (vectors, values) in cells.vector_irradiance.iter().zip(values.chunks_exact(count)) {
-                for (vector, sums) in vectors[..channels].iter().zip(row.chunks_exact_mut(count)) {
+                for (vector, sums) in vectors[..channels].iter().zip(row.chunks_exact_mut(padded)) {
                     let irradiance = vector.dot(normal);
                     if irradiance > 0.0 {
                         sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += irradiance * value);
@@ -107,7 +103,7 @@ impl LightProduct {
                 }
             }
         });
-        self.table = table;
+        self.table = table.as_chunks::<LANES>().0.iter().map(|&row| f32x8::from(row)).collect();
     }
 
     pub(super) fn bytes(&self) -> usize {
@@ -118,7 +114,6 @@ impl LightProduct {
     /// `clamp`, each part is held between 0 and its unshadowed value.
     #[inline(always)]
     pub(super) fn dot<const N: usize>(&self, normal: &[f32x8; 3], visibility: &ShBatch<N>, clamp: bool) -> [f32x8; 3] {
-        let held = |value: f32x8, most: f32x8| if clamp { value.max(f32x8::ZERO).min(most) } else { value };
         let mut radiance = match &self.base {
             DistantLight::Constant(radiance) => {
                 let at_normal = halfshade_sh::kernel::basis::<f32x8, N>(*normal);
@@ -126,64 +121,48 @@ impl LightProduct {
                 for (i, (value, visible)) in at_normal.iter().zip(visibility).enumerate() {
                     sum = (*value * f32x8::splat(self.cosine[i.isqrt()])).mul_add(*visible, sum);
                 }
-                let share = held(sum, f32x8::ONE);
+                let share = if clamp { sum.max(f32x8::ZERO).min(f32x8::ONE) } else { sum };
                 radiance.to_array().map(|channel| share * f32x8::splat(channel))
             }
-            DistantLight::Map(_) => self.dot_table(normal, visibility, &held),
+            DistantLight::Map(_) => self.dot_table(normal, visibility, clamp),
         };
         if let Some(sun) = &self.sun {
-            let mut share = f32x8::ZERO;
-            for (value, visible) in self.sun_basis.iter().zip(visibility) {
-                share = visible.mul_add(f32x8::splat(*value), share);
-            }
-            let share = held(share, f32x8::ONE);
-            let components = normal.map(|axis| axis.to_array());
-            let irradiance: [Vec3; 8] =
-                std::array::from_fn(|lane| sun.irradiance(Vec3::from(components.map(|axis| axis[lane]))));
-            for (channel, sum) in radiance.iter_mut().enumerate() {
-                let arriving = f32x8::from(irradiance.map(|e| e[channel] * std::f32::consts::FRAC_1_PI));
-                *sum = share.mul_add(arriving, *sum);
-            }
+            sun.add(normal, visibility, clamp, &mut radiance);
         }
         radiance
     }
 
     #[inline(always)]
-    fn dot_table<const N: usize>(
-        &self,
-        normal: &[f32x8; 3],
-        visibility: &ShBatch<N>,
-        held: &impl Fn(f32x8, f32x8) -> f32x8,
-    ) -> [f32x8; 3] {
-        let components = normal.map(|axis| axis.to_array());
-        let mut lanes = [[0.0f32; N]; 8];
-        for (i, value) in visibility.iter().enumerate() {
-            for (lane, value) in lanes.iter_mut().zip(value.to_array()) {
-                lane[i] = value;
-            }
-        }
-        let mut sums = [[0.0f32; 8]; 3];
-        let mut unshadowed = [[0.0f32; 8]; 3];
-        let row = self.channels * N;
-        for (lane, visible) in lanes.iter().enumerate() {
-            let found = self.grid.lookup(Vec3::from(components.map(|axis| axis[lane])));
-            let rows = found.nodes.map(|node| &self.table[node * row..(node + 1) * row]);
-            for channel in 0..self.channels {
-                let [a, b, c] = rows.map(|row| -> &[f32; N] { row[channel * N..].first_chunk().unwrap_or(&[0.0; N]) });
-                let [wa, wb, wc] = found.weights;
-                let mut partial = [0.0f32; 8];
-                for i in 0..N {
-                    let value = wc.mul_add(c[i], wb.mul_add(b[i], wa * a[i]));
-                    partial[i % 8] = value.mul_add(visible[i], partial[i % 8]);
+    fn dot_table<const N: usize>(&self, normal: &[f32x8; 3], visibility: &ShBatch<N>, clamp: bool) -> [f32x8; 3] {
+        let (nodes, weights) = self.grid.lookup_batch(normal);
+        let weights = weights.map(|corner| corner.to_array());
+        // Per lane the sum over coefficients i = k mod 8 in element k: added up by a transpose in the end.
+        let mut partial = [[f32x8::ZERO; LANES]; 3];
+        let mut unshadowed = [[0.0f32; LANES]; 3];
+        for part in 0..const { N.div_ceil(LANES) } {
+            let coefficients = std::array::from_fn(|k| visibility.get(part * LANES + k).copied().unwrap_or_default());
+            let visible = f32x8::transpose(coefficients);
+            for lane in 0..LANES {
+                for (channel, partial) in partial.iter_mut().enumerate().take(self.channels) {
+                    let term = |corner: usize| {
+                        let row = nodes[corner][lane] as usize * self.channels + channel;
+                        (self.table[row * const { N.div_ceil(LANES) } + part], f32x8::splat(weights[corner][lane]))
+                    };
+                    let ((first, a), (second, b), (third, c)) = (term(0), term(1), term(2));
+                    let value = third.mul_add(c, second.mul_add(b, first * a));
+                    partial[lane] = value.mul_add(visible[lane], partial[lane]);
+                    if part == 0 && clamp {
+                        unshadowed[channel][lane] = value.to_array()[0] * (4.0 * std::f32::consts::PI).sqrt();
+                    }
                 }
-                sums[channel][lane] = partial.iter().sum();
-                unshadowed[channel][lane] = (wa * a[0] + wb * b[0] + wc * c[0]) * (4.0 * std::f32::consts::PI).sqrt();
             }
         }
-        if self.channels == 1 {
-            sums = [sums[0]; 3];
-            unshadowed = [unshadowed[0]; 3];
+        let mut sums = partial.map(|lanes| f32x8::transpose(lanes).into_iter().fold(f32x8::ZERO, |sum, row| sum + row));
+        if clamp {
+            for (sum, most) in sums.iter_mut().zip(unshadowed) {
+                *sum = sum.max(f32x8::ZERO).min(f32x8::from(most));
+            }
         }
-        std::array::from_fn(|channel| held(f32x8::from(sums[channel]), f32x8::from(unshadowed[channel])))
+        if self.channels == 1 { [sums[0]; 3] } else { sums }
     }
 }

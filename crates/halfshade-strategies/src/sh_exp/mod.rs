@@ -29,6 +29,7 @@ mod blockers;
 mod exposed;
 mod light_product;
 mod shade;
+mod sun_product;
 
 use blockers::{Blockers, Overlap, Shares};
 use halfshade_scene::{Frame, Progress, RadianceMut, Receivers, Scene, light::OctahedralGrid, spheres::AdjustRule};

@@ -27,7 +27,10 @@ pub(super) fn shade<const N: usize>(prepared: &Prepared, receivers: Receivers<'_
     let mut start = 0;
     while start < count {
         let lanes = (count - start).min(LANES);
-        let load = |values: &[f32]| -> [f32; LANES] { std::array::from_fn(|i| values[start + i.min(lanes - 1)]) };
+        let load = |values: &[f32]| -> [f32; LANES] {
+            let values = &values[start..start + lanes];
+            values.first_chunk().copied().unwrap_or_else(|| std::array::from_fn(|i| values[i.min(lanes - 1)]))
+        };
         let position = turn(std::array::from_fn(|axis| {
             // In double precision, because a scene may lie far from the origin.
             f32x8::from(load(receivers.position[axis]).map(|x| (f64::from(x) - center[axis]) as f32))
@@ -70,7 +73,7 @@ fn log_sum<const N: usize>(
         // A sphere that no lane sees adds 0 to all of them: leaving it out changes no bit.
         if let Some(seen) = blocker.seen_from(position, normal, prepared.rule) {
             let share = f32x8::splat(blocker.share);
-            let scale = table.lookup(seen.sin_squared).map(|value| value * share);
+            let scale = table.lookup::<N>(seen.sin_squared).map(|value| value * share);
             kernel::accumulate_lobe(seen.direction, &scale, &mut sum);
         }
     }
@@ -84,7 +87,7 @@ fn multiplied<const N: usize>(prepared: &Prepared, position: &[f32x8; 3], normal
     visibility[0] = f32x8::splat((4.0 * std::f32::consts::PI).sqrt());
     for blocker in &prepared.blockers.spheres {
         if let Some(seen) = blocker.seen_from(position, normal, prepared.rule) {
-            let scale = prepared.table.lookup(seen.sin_squared);
+            let scale = prepared.table.lookup::<N>(seen.sin_squared);
             let mut minus_cap = [f32x8::ZERO; N];
             kernel::accumulate_lobe(seen.direction, &scale, &mut minus_cap);
             // V*(1 - C) = V - V*C: a lane that sees nothing keeps its bits.
