@@ -37,7 +37,7 @@ impl Exposure {
         let shares = self.shares.evaluate(caps);
         let mut visibility = [f32x8::ZERO; N];
         for (seen, &share) in self.seen.iter().zip(shares) {
-            let scale = prepared.table.lookup(seen.sin_squared).map(|value| value * share);
+            let scale = prepared.table.lookup::<N>(seen.sin_squared).map(|value| value * share);
             kernel::accumulate_lobe(seen.direction, &scale, &mut visibility);
         }
         visibility[0] += f32x8::splat((4.0 * std::f32::consts::PI).sqrt());
