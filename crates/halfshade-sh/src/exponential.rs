@@ -52,12 +52,31 @@ pub struct Exponential {
     bands: usize,
     method: Method,
     table: OptimalLinear,
+    blended: bool,
 }
 
 impl Exponential {
     /// `method` for `bands` bands and logarithms clipped at `clip`, usually [`crate::logarithm::DEFAULT_CLIP`].
     pub fn new(bands: usize, method: Method, clip: f64) -> Self {
-        Self { bands, method, table: OptimalLinear::build(bands, clip) }
+        Self { bands, method, table: OptimalLinear::build(bands, clip), blended: false }
+    }
+
+    /// The same, with scaling made continuous. Not published: where |f̂| passes the magnitude limit times a power of two,
+    /// the number of squarings grows by one, and the result jumps by the inner form's error. Blended, a vector on its way
+    /// to the limit mixes in, more and more, the square of the inner form of half of it, up to all at the limit itself:
+    ///
+    /// ```text
+    /// exp(f/2^p) ≈ (1 - w) inner(f/2^p) + w inner(f/2^(p+1))²     w = 2 |f̂|/2^p/limit - 1, in [0, 1]
+    /// ```
+    ///
+    /// at the price of one squaring. Nothing changes without a limit.
+    pub fn blended(self) -> Self {
+        Self { blended: true, ..self }
+    }
+
+    /// Whether it is [`blended`](Self::blended).
+    pub fn is_blended(&self) -> bool {
+        self.blended
     }
 
     /// Bands of the vectors it takes.
@@ -88,14 +107,28 @@ impl Exponential {
         let mut isolated = f.to_vec();
         let constant = std::mem::take(&mut isolated[0]) / (4.0 * PI).sqrt();
         let magnitude = basis::magnitude(&isolated);
-        let squarings = match self.method {
-            Method::Series { magnitude_limit: Some(limit), .. }
-            | Method::Quadratic { magnitude_limit: limit }
-            | Method::Hybrid { magnitude_limit: limit } => squarings(magnitude, limit),
-            _ => 0,
+        let limit = match self.method {
+            Method::Series { magnitude_limit, .. } => magnitude_limit,
+            Method::Quadratic { magnitude_limit } | Method::Hybrid { magnitude_limit } => Some(magnitude_limit),
+            Method::OptimalLinear => None,
         };
+        let squarings = limit.map_or(0, |limit| squarings(magnitude, limit));
         let scale = 0.5f64.powi(squarings as i32);
-        isolated.iter_mut().for_each(|value| *value *= scale);
+        let mut h = self.scaled(&isolated, constant * scale, magnitude, scale);
+        let weight = limit.map_or(0.0, |limit| (2.0 * magnitude * scale / limit - 1.0).clamp(0.0, 1.0));
+        if self.blended && weight > 0.0 {
+            let mut half = self.scaled(&isolated, constant * scale * 0.5, magnitude, scale * 0.5);
+            square_difference(&mut half);
+            h.iter_mut().zip(half).for_each(|(h, half)| *h += weight * (half - *h));
+        }
+        (0..squarings).for_each(|_| square_difference(&mut h));
+        h[0] += (4.0 * PI).sqrt();
+        h
+    }
+
+    /// The inner form of `scale` times a vector whose isolated part, unscaled, is given: as the difference from 1.
+    fn scaled(&self, isolated: &[f64], constant: f64, magnitude: f64, scale: f64) -> Vec<f64> {
+        let mut isolated: Vec<f64> = isolated.iter().map(|value| value * scale).collect();
         let (offset, difference) = match self.method {
             Method::Series { .. } | Method::Quadratic { .. } => {
                 let terms = if let Method::Series { terms, .. } = self.method { terms } else { 2 };
@@ -109,19 +142,20 @@ impl Exponential {
                 (a, isolated)
             }
         };
-        // e^d (1 + offset + difference) - 1, with d = constant·scale
-        let factor = (constant * scale).exp();
+        // e^d (1 + offset + difference) - 1, with d = constant
+        let factor = constant.exp();
         let mut h: Vec<f64> = difference.iter().map(|value| factor * value).collect();
-        h[0] += (4.0 * PI).sqrt() * ((constant * scale).exp_m1() + factor * offset);
+        h[0] += (4.0 * PI).sqrt() * (constant.exp_m1() + factor * offset);
         limit_difference(&mut h);
-        for _ in 0..squarings {
-            let squared = square(&h);
-            h.iter_mut().zip(squared).for_each(|(h, s)| *h = 2.0 * *h + s);
-            limit_difference(&mut h);
-        }
-        h[0] += (4.0 * PI).sqrt();
         h
     }
+}
+
+/// `V*V - 1` from `h = V - 1`, limited.
+fn square_difference(h: &mut [f64]) {
+    let squared = square(h);
+    h.iter_mut().zip(squared).for_each(|(h, s)| *h = 2.0 * *h + s);
+    limit_difference(h);
 }
 
 /// Least p with `magnitude/2^p <= limit`, at most [`MAX_SQUARINGS`].
@@ -196,7 +230,7 @@ pub fn product_of_blockers<'a>(bands: usize, blockers: impl IntoIterator<Item = 
 mod tests {
     use super::*;
     use crate::logarithm::DEFAULT_CLIP;
-    use crate::zonal;
+    use crate::{zonal, zonal_algebra};
 
     fn logarithm_of_blocker(blocker: &[f64]) -> Vec<f64> {
         crate::logarithm::logarithm(blocker, DEFAULT_CLIP)
@@ -301,6 +335,30 @@ mod tests {
             let visibility = exponential.evaluate(&logarithm_of_blocker(&blocker));
             let error = (basis::dot(&irradiance, &visibility) - basis::dot(&irradiance, &blocker)).abs() / PI;
             assert!(error < 4e-3, "{radius}: {error}");
+        }
+    }
+
+    #[test]
+    fn blending_takes_the_step_out_of_scaling() {
+        let log = zonal::rotate_to_axis(
+            &zonal_algebra::logarithm(&zonal::blocker(6, 0.5f64.cos()), DEFAULT_CLIP),
+            [0.0, 0.6, 0.8],
+        );
+        for method in [Method::Hybrid { magnitude_limit: 0.7 }, Method::Quadratic { magnitude_limit: 0.7 }] {
+            let length = basis::magnitude(&log[1..]);
+            let step = |exponential: &Exponential, at: f64| {
+                let [below, above] = [1.0 - 1e-9, 1.0 + 1e-9].map(|side| {
+                    let scaled: Vec<f64> = log.iter().map(|value| value * at * side / length).collect();
+                    exponential.evaluate(&scaled)
+                });
+                below.iter().zip(above).map(|(b, a)| (b - a).abs()).fold(0.0, f64::max)
+            };
+            let published = Exponential::new(6, method, DEFAULT_CLIP);
+            let blended = published.clone().blended();
+            for border in [0.35, 0.7, 1.4, 2.8] {
+                assert!(step(&blended, border) < 1e-7, "{method:?} at {border}");
+                assert!(border < 0.5 || step(&published, border) > 1e-4, "{method:?} at {border}");
+            }
         }
     }
 }

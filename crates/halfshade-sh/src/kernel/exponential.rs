@@ -13,6 +13,7 @@ pub struct BatchExponential {
     method: BatchMethod,
     table: LinearTable,
     bands: usize,
+    blended: bool,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -75,7 +76,7 @@ impl BatchExponential {
                 })
                 .collect(),
         };
-        Some(Self { method, table, bands: exponential.bands() })
+        Some(Self { method, table, bands: exponential.bands(), blended: exponential.is_blended() })
     }
 
     /// Bands of the vectors it takes.
@@ -92,15 +93,44 @@ impl BatchExponential {
     /// If `N` is not `bands²`.
     pub fn evaluate<const N: usize>(&self, f: &ShBatch<N>) -> ShBatch<N> {
         assert_eq!(N, self.bands * self.bands, "one number of bands");
-        let mut h = *f;
-        let constant = std::mem::take(&mut h[0]) * f32x8::splat(1.0 / FULL);
-        let magnitude = h.iter().fold(f32x8::ZERO, |sum, &value| value.mul_add(value, sum)).sqrt();
+        let mut isolated = *f;
+        let constant = std::mem::take(&mut isolated[0]) * f32x8::splat(1.0 / FULL);
+        let magnitude = isolated.iter().fold(f32x8::ZERO, |sum, &value| value.mul_add(value, sum)).sqrt();
         let limit = match self.method {
             BatchMethod::Series { magnitude_limit, .. }
             | BatchMethod::Quadratic { magnitude_limit }
             | BatchMethod::Linear { magnitude_limit } => magnitude_limit,
         };
         let (squarings, scale, most) = squarings(magnitude, limit);
+        let mut h = self.scaled(&isolated, constant, magnitude, scale);
+        if self.blended {
+            let weight = (magnitude * scale).mul_add(f32x8::splat(2.0 / limit), -f32x8::ONE);
+            let weight = weight.max(f32x8::ZERO).min(f32x8::ONE);
+            if weight.simd_gt(f32x8::ZERO).any() {
+                let half = self.scaled(&isolated, constant, magnitude, scale * f32x8::splat(0.5));
+                let squared = square_difference(&half);
+                h.iter_mut().zip(squared).for_each(|(h, s)| *h = weight.mul_add(s - *h, *h));
+            }
+        }
+        for round in 0..most {
+            let squared = square_difference(&h);
+            let active = f32x8::splat(round as f32).simd_lt(squarings);
+            h.iter_mut().zip(squared).for_each(|(h, s)| *h = active.select(s, *h));
+        }
+        h[0] += f32x8::splat(FULL);
+        h
+    }
+
+    /// The inner form of `scale` times a vector, as the difference from 1.
+    #[inline(always)]
+    fn scaled<const N: usize>(
+        &self,
+        isolated: &ShBatch<N>,
+        constant: f32x8,
+        magnitude: f32x8,
+        scale: f32x8,
+    ) -> ShBatch<N> {
+        let mut h = *isolated;
         let scaled = magnitude * scale;
         let mut offset = f32x8::ZERO;
         match self.method {
@@ -123,17 +153,18 @@ impl BatchExponential {
         h.iter_mut().for_each(|value| *value *= factor);
         h[0] = factor.mul_add(offset, difference).mul_add(f32x8::splat(FULL), h[0]);
         limit_difference(&mut h);
-        for round in 0..most {
-            let mut squared = square(&h);
-            let two = f32x8::splat(2.0);
-            squared.iter_mut().zip(&h).for_each(|(s, &h)| *s = two.mul_add(h, *s));
-            limit_difference(&mut squared);
-            let active = f32x8::splat(round as f32).simd_lt(squarings);
-            h.iter_mut().zip(squared).for_each(|(h, s)| *h = active.select(s, *h));
-        }
-        h[0] += f32x8::splat(FULL);
         h
     }
+}
+
+/// `V*V - 1` from `h = V - 1`, limited.
+#[inline(always)]
+fn square_difference<const N: usize>(h: &ShBatch<N>) -> ShBatch<N> {
+    let mut squared = square(h);
+    let two = f32x8::splat(2.0);
+    squared.iter_mut().zip(h).for_each(|(s, &h)| *s = two.mul_add(h, *s));
+    limit_difference(&mut squared);
+    squared
 }
 
 /// Per lane the number of squarings p and `2^-p`, and the largest p.

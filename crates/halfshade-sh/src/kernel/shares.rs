@@ -55,9 +55,8 @@ struct Cap {
     direction: [f32x8; 3],
     versine: f32x8,
     inverse_versine: f32x8,
-    /// Straight distances from the centre, all a little too large, negative in a lane without this cap: where its own
-    /// points are, where membership of others' points ends, and where it would end in a cap no larger than one point's part.
-    own_reach: f32x8,
+    /// Straight distances from the centre, a little too large, 0 in a lane without this cap: where membership of others'
+    /// points ends, and where that of its own points in a cap no larger than what one of them stands for does.
     reach: f32x8,
     part_reach: f32x8,
 }
@@ -129,13 +128,11 @@ impl ExposedShares {
         for (i, cap) in self.caps.iter().enumerate() {
             for (j, other) in self.caps.iter().enumerate().skip(i + 1) {
                 let squared = squared_distance(&cap.direction, &other.direction);
-                let one = cap.own_reach + other.reach.max(cap.part_reach);
-                let two = other.own_reach + cap.reach.max(other.part_reach);
-                let reach = one.max(two).max(f32x8::ZERO);
-                if squared.simd_lt(reach * reach).any() {
-                    self.near[i * words + j / 64] |= 1 << (j % 64);
-                    self.near[j * words + i / 64] |= 1 << (i % 64);
-                }
+                let reach = (cap.reach + other.reach).max(cap.part_reach).max(other.part_reach);
+                // Without a branch, which would often be guessed wrong.
+                let near = u64::from(squared.simd_lt(reach * reach).any());
+                self.near[i * words + j / 64] |= near << (j % 64);
+                self.near[j * words + i / 64] |= near << (i % 64);
             }
         }
     }
@@ -146,18 +143,15 @@ impl Cap {
     fn new(CapBatch { direction, versine }: CapBatch, points: f32) -> Self {
         let seen = versine.simd_gt(f32x8::ZERO);
         // Rounding must not hide a pair with a membership above 0: then lanes would depend on their neighbours.
-        let reach = |squared: f32x8| {
-            let reach = squared.sqrt().mul_add(f32x8::splat(1.001), f32x8::splat(1e-6));
-            seen.select(reach, f32x8::splat(-8.0))
-        };
+        let reach =
+            |squared: f32x8| seen.select(squared.sqrt().mul_add(f32x8::splat(1.001), f32x8::splat(1e-6)), f32x8::ZERO);
         let end = versine * f32x8::splat(2.0 + 1.0 / points);
         Self {
             direction: direction.map(|value| seen.select(value, f32x8::splat(8.0))),
             versine,
             inverse_versine: f32x8::ONE / versine.max(f32x8::splat(1e-30)),
-            own_reach: reach(versine * f32x8::splat(2.0)),
             reach: reach(end),
-            part_reach: reach(end * f32x8::splat(1.0 / points)),
+            part_reach: reach(end) + reach(end * f32x8::splat(1.0 / points)),
         }
     }
 

@@ -106,8 +106,9 @@ fn methods() -> [Method; 6] {
 fn exponentials_agree_with_f64() {
     let mut generator = Pcg64Mcg::seed_from_u64(3);
     for bands in 1..=MAX_BANDS {
-        for method in methods() {
+        for (method, blended) in methods().into_iter().flat_map(|method| [(method, false), (method, true)]) {
             let exponential = Exponential::new(bands, method, DEFAULT_CLIP);
+            let exponential = if blended { exponential.blended() } else { exponential };
             let batch_exponential = BatchExponential::new(&exponential).unwrap();
             dispatch_bands!(bands, N => {
                 let sums = log_sums::<N>(&mut generator, 14);
@@ -147,7 +148,7 @@ fn thousands_of_blockers_cost_one_digit() {
 fn neighbours_change_no_bit() {
     let mut generator = Pcg64Mcg::seed_from_u64(4);
     for method in methods() {
-        let exponential = BatchExponential::new(&Exponential::new(4, method, DEFAULT_CLIP)).unwrap();
+        let exponential = BatchExponential::new(&Exponential::new(4, method, DEFAULT_CLIP).blended()).unwrap();
         let sums = log_sums::<16>(&mut generator, 70);
         let together = exponential.evaluate(&gather(&sums));
         for (at, sum) in sums.iter().enumerate() {
