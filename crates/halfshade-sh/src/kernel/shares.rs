@@ -126,13 +126,23 @@ impl ExposedShares {
         self.near.clear();
         self.near.resize(self.caps.len() * words, 0);
         for (i, cap) in self.caps.iter().enumerate() {
-            for (j, other) in self.caps.iter().enumerate().skip(i + 1) {
-                let squared = squared_distance(&cap.direction, &other.direction);
-                let reach = (cap.reach + other.reach).max(cap.part_reach).max(other.part_reach);
+            for (word, others) in self.caps.chunks(64).enumerate().skip(i / 64) {
+                let first = (i + 1).saturating_sub(64 * word).min(others.len());
+                let mut bits = 0u64;
                 // Without a branch, which would often be guessed wrong.
-                let near = u64::from(squared.simd_lt(reach * reach).any());
-                self.near[i * words + j / 64] |= near << (j % 64);
-                self.near[j * words + i / 64] |= near << (i % 64);
+                for (at, other) in others[first..].iter().enumerate() {
+                    let squared = squared_distance(&cap.direction, &other.direction);
+                    let reach = (cap.reach + other.reach).max(cap.part_reach).max(other.part_reach);
+                    bits |= u64::from(squared.simd_lt(reach * reach).any()) << at;
+                }
+                if bits != 0 {
+                    self.near[i * words + word] |= bits << first;
+                }
+                while bits != 0 {
+                    let other = 64 * word + first + bits.trailing_zeros() as usize;
+                    self.near[other * words + i / 64] |= 1 << (i % 64);
+                    bits &= bits - 1;
+                }
             }
         }
     }
