@@ -139,9 +139,9 @@ pub struct TruthFigures {
 pub struct TimeFigures {
     /// Once per scene.
     pub bake_secs: f64,
-    /// Per frame: poses, lights; absent without [timing].
+    /// Per frame: poses, lights; absent without `[timing]`.
     pub prepare_secs: Option<Spread>,
-    /// Per frame: all receivers; absent without [timing].
+    /// Per frame: all receivers; absent without `[timing]`.
     pub shade_secs: Option<Spread>,
     /// 1 / median of prepare + shade.
     pub frames_per_sec: Option<f64>,

@@ -4,7 +4,7 @@ use super::{Welded, doubled_area_vector};
 use glam::{DVec3, Vec3};
 
 /// Smooth unit normals of a welded mesh, one per position: the mean of the normals of the triangles around it, weighted
-/// by their angles there, so that how a face is cut into triangles doesn't matter ([Thurmer1998]).
+/// by their angles there, so that how a face is cut into triangles doesn't matter (\[Thurmer1998\]).
 ///
 /// Where the mean vanishes (or no triangle with an area touches), the normal is that of the largest triangle around,
 /// else +Y.

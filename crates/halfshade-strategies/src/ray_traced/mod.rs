@@ -5,7 +5,7 @@
 //! ```
 //!
 //! with directions drawn by cosine, by light, or half and half with the density of the mixture, which is multiple
-//! importance sampling under the balance heuristic [Veach1995]. Unbiased; the standard error falls faster than 1/√k
+//! importance sampling under the balance heuristic \[Veach1995\]. Unbiased; the standard error falls faster than 1/√k
 //! because the points are spread evenly. The hierarchy is rebuilt in `prepare` when a pose has changed.
 //!
 //! Shares no code with the truth: a mistake that both made would cancel out in the score.

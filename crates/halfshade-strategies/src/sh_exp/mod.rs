@@ -1,4 +1,4 @@
-//! Soft shadows by summing the logarithms of spherical blockers in spherical harmonics, [Ren2006] as
+//! Soft shadows by summing the logarithms of spherical blockers in spherical harmonics, \[Ren2006\] as
 //! [Guerrero2007, 3.5 and 4.2] describes it.
 //!
 //! Every object is a set of spheres. A receiver sees each sphere, after the rules for spheres that contain it or cut its
@@ -34,7 +34,7 @@
 //! grows so large that an eigenvalue of its blocker meets the clip, its logarithm is steep: `optimal-linear` changes by
 //! 0.06 over less than a thousandth of a sphere's width, which is the method's nature.
 //!
-//! **Magnitude limit.** [Guerrero2007] has none that depends on bands. One that doesn't makes the hybrid's error rise from
+//! **Magnitude limit.** \[Guerrero2007\] has none that depends on bands. One that doesn't makes the hybrid's error rise from
 //! 6 bands on (limit 1, a bunny of 64 spheres under a constant sky against the same spheres: 0.028 at 4 bands, 0.052 at 6,
 //! 0.098 at 8); with 8/bands² it falls: 0.026, 0.020, 0.019.
 
