@@ -123,3 +123,33 @@ fn the_harness_names_no_strategy() {
         }
     }
 }
+
+/// The keys of `[Key2006]` and `[Key2006, section]` in a text: letters from a capital on, then a year.
+fn cited(text: &str) -> impl Iterator<Item = &str> {
+    text.split('[').skip(1).filter_map(|rest| {
+        let key = &rest[..rest.find(|c: char| !c.is_ascii_alphanumeric())?];
+        let name = key.trim_end_matches(|c: char| c.is_ascii_digit());
+        let capital = name.starts_with(|c: char| c.is_ascii_uppercase());
+        let words = name.len() > 1 && name.bytes().all(|c| c.is_ascii_alphabetic());
+        (capital && words && key.len() == name.len() + 4).then_some(key)
+    })
+}
+
+#[test]
+fn every_citation_is_in_the_bibliography() {
+    assert_eq!(cited("a[Abc2006, 4.1], [x1999] \\[De1998\\] [F32x2]").collect::<Vec<_>>(), ["Abc2006", "De1998"]);
+    let bibliography = std::fs::read_to_string(root().join("references.bib")).expect("references.bib");
+    let known: Vec<&str> = bibliography
+        .lines()
+        .filter(|line| line.starts_with('@'))
+        .filter_map(|line| line.split_once('{')?.1.strip_suffix(','))
+        .collect();
+    let mut count = 0;
+    for (path, text) in sources(&root().join("crates")) {
+        for key in cited(&text) {
+            assert!(known.contains(&key), "{} cites [{key}], which references.bib lacks", path.display());
+            count += 1;
+        }
+    }
+    assert!(count > 50, "{count} citations found");
+}

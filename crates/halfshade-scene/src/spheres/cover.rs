@@ -1,8 +1,8 @@
 //! Whether spheres bound a triangle mesh: decided on the triangles, not on samples.
 //!
 //! A ball is convex, so that a triangle whose corners lie in one ball lies in it wholly. A triangle that lies in no
-//! single ball is cut in four at the middles of its edges, until its longest edge is below a tolerance; such a leaf
-//! counts as covered only if one ball holds it wholly. The answer errs on the safe side: a set that is said to bound
+//! single ball is cut in two at the middle of its longest edge, until that edge is below a tolerance; such a leaf counts
+//! as covered only if one ball holds it wholly. The answer errs on the safe side: a set that is said to bound
 //! does; a violation is overestimated by at most the tolerance.
 
 use super::Ball;
@@ -113,16 +113,17 @@ fn leaves(
         near.swap(0, place);
         return;
     }
-    let [a, b, c] = triangle;
-    let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
-    if longest <= tolerance * tolerance {
+    // Turned so that the longest edge is ab. Halving that one alone cuts slivers across and leaves them few pieces.
+    let edge_squared = |k: usize| triangle[k].distance_squared(triangle[(k + 1) % 3]);
+    let longest = (1..3).fold(0, |longest, k| if edge_squared(k) > edge_squared(longest) { k } else { longest });
+    if edge_squared(longest) <= tolerance * tolerance {
         visit(&triangle, near);
         return;
     }
-    let (ab, bc, ca) = (a.midpoint(b), b.midpoint(c), c.midpoint(a));
-    for piece in [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]] {
-        leaves(piece, balls, near, tolerance, visit);
-    }
+    let [a, b, c] = [0, 1, 2].map(|k| triangle[(longest + k) % 3]);
+    let middle = a.midpoint(b);
+    leaves([a, middle, c], balls, near, tolerance, visit);
+    leaves([middle, b, c], balls, near, tolerance, visit);
 }
 
 #[cfg(test)]

@@ -9,14 +9,12 @@ mod cover;
 mod overlap;
 mod points;
 mod polish;
-mod shadow;
 mod solid;
 mod variational;
 
 pub use adjust::{AdjustRule, AdjustedSphere, FADE_HEIGHT, adjust, adjusted};
 pub use build::BuildOptions;
 pub use overlap::overlap_shares;
-pub use shadow::ground_shadow_error;
 
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
