@@ -592,6 +592,6 @@ mod tests {
 
     #[test]
     fn file_names_hold_nothing_that_a_file_system_minds() {
-        assert_eq!(file_name("sh-exp:exp=a/b,n=2"), "sh-exp_exp_a_b_n_2");
+        assert_eq!(file_name("toy:mode=a/b,n=2"), "toy_mode_a_b_n_2");
     }
 }

@@ -4,7 +4,7 @@
 
 use glam::{DVec3, Vec3};
 
-/// Two unit vectors that complete a unit vector to a right-handed orthonormal frame ([Duff2017]).
+/// Two unit vectors that complete a unit vector to a right-handed orthonormal frame (\[Duff2017\]).
 #[inline]
 pub(crate) fn tangents(axis: DVec3) -> [DVec3; 2] {
     let sign = 1.0_f64.copysign(axis.z);

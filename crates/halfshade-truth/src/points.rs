@@ -1,6 +1,6 @@
 //! Low-discrepancy points: Sobol's sequence in two dimensions, Owen-scrambled anew for every receiver and replicate.
 //!
-//! The scrambling is the hashed one of [Burley2020], from the crate sobol_burley. Points are visited in Morton order of
+//! The scrambling is the hashed one of \[Burley2020\], from the crate sobol_burley. Points are visited in Morton order of
 //! their unscrambled places: scrambling permutes the cells of each binary subdivision among their like, so that
 //! neighbours stay neighbours and successive rays run close together.
 

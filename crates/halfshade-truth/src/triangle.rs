@@ -1,6 +1,6 @@
 //! A watertight test of a ray against a triangle.
 //!
-//! The method is that of [Woop2013]: space is sheared so that the ray becomes the third axis, and the signs of three
+//! The method is that of \[Woop2013\]: space is sheared so that the ray becomes the third axis, and the signs of three
 //! edge functions of the sheared vertices decide. A sheared vertex depends on the vertex and the ray alone, rounding is
 //! monotone, and an edge function of zero counts as inside for both neighbours, so no ray slips between two triangles that
 //! share an edge or a vertex.

@@ -11,7 +11,7 @@ const SAMPLES_PER_AXIS: usize = 4;
 /// The latitude-longitude map of a square angular map of `n` by `n` texels, of 2n by n texels.
 ///
 /// A direction at angle θ from the image's centre lies at radius r = θ/π of the disc inscribed in the square
-/// ([Debevec1998]). Right of the centre is to the right of one who looks toward the centre from inside, up is up; the
+/// (\[Debevec1998\]). Right of the centre is to the right of one who looks toward the centre from inside, up is up; the
 /// centre looks `forward` radians from -Z toward +X. Texels whose centres lie outside of the disc are never read:
 /// probes carry captions there. Each texel is the mean of samples of equal solid angle, so that the mean over all
 /// directions is kept up to sampling (below 1 % for real probes).

@@ -34,7 +34,7 @@ fn check_size(width: usize, height: usize, bytes: usize, texels_per_byte: usize)
 }
 
 /// Radiance HDR (RGBE). EXPOSURE and COLORCORR say by what the picture was multiplied; both are divided out, so that the
-/// result is radiance ([Ward1991]).
+/// result is radiance (\[Ward1991\]).
 pub(super) fn decode_hdr(bytes: &[u8]) -> Result<Image, SceneError> {
     if !bytes.starts_with(b"#?") {
         return Err(SceneError::new("this is no Radiance HDR file: it doesn't begin with `#?`"));

@@ -1,4 +1,4 @@
-//! A clear daylight sky with a sun: the analytic model of [Preetham1999], with its constants.
+//! A clear daylight sky with a sun: the analytic model of \[Preetham1999\], with its constants.
 
 use super::{Environment, EnvironmentMap, Sun, cap_irradiance};
 use crate::SceneError;
@@ -170,7 +170,7 @@ impl Model {
     /// Radiance of the sun's disc: white above the atmosphere, dimmed by exp(-τ m) on its way down.
     ///
     /// Optical depths: Rayleigh 0.008735 λ^-4.08, aerosols β λ^-1.3 with β = 0.04608 T - 0.04586 ([Preetham1999,
-    /// appendix]); air mass m after [Kasten1989]. Ozone is left out: 1 to 4 % of the visible light of a high sun.
+    /// appendix]); air mass m after \[Kasten1989\]. Ozone is left out: 1 to 4 % of the visible light of a high sun.
     fn sun_radiance(&self) -> DVec3 {
         let zenith_degrees = self.sun.y.clamp(0.0, 1.0).acos().to_degrees();
         let air_mass = 1.0 / (self.sun.y.max(0.0) + 0.50572 * (96.07995 - zenith_degrees).powf(-1.6364));

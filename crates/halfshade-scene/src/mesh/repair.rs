@@ -95,8 +95,8 @@ fn inside_out_bodies(welded: &Welded, body_of: &[u32], solid: &[bool]) -> Vec<bo
         .collect()
 }
 
-/// How often a closed surface winds around `point`: 0 outside, ±1 inside ([Jacobson2013]; solid angles after
-/// [VanOosterom1983]).
+/// How often a closed surface winds around `point`: 0 outside, ±1 inside (\[Jacobson2013\]; solid angles after
+/// \[VanOosterom1983\]).
 fn winding(welded: &Welded, triangles: &[usize], point: DVec3) -> f64 {
     let solid_angle = |t: usize| {
         let [a, b, c] = welded.corners(t).map(|p| p.as_dvec3() - point);

@@ -1,4 +1,4 @@
-//! Sphere sets: the geometry that blocks, in place of a mesh ([Guerrero2007, 4.1], [Wang2006]).
+//! Sphere sets: the geometry that blocks, in place of a mesh ([Guerrero2007, 4.1], \[Wang2006\]).
 //!
 //! [`SphereSet::build`] fits the leaf spheres. Parent spheres of [Guerrero2007, 4.1] are sets over a leaf set's spheres
 //! instead of a mesh; they will be further levels beside [`SphereSet::spheres`], which stays the leaf level.

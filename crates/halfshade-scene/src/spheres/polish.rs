@@ -1,4 +1,4 @@
-//! Lowers the outside volume of the *union*, which is what a shadow shows, where [Wang2006] lowers a sum over spheres.
+//! Lowers the outside volume of the *union*, which is what a shadow shows, where \[Wang2006\] lowers a sum over spheres.
 //!
 //! Not part of the published method. Three moves, each on U = volume of (union of the spheres) minus the mesh:
 //! - **relax**: descent along the exact shape derivative. Moving a sphere's surface outwards by δ over an area dA that

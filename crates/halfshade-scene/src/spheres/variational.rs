@@ -1,4 +1,4 @@
-//! Variational sphere sets: a Lloyd iteration on outside volume ([Guerrero2007, 4.1] after [Wang2006]).
+//! Variational sphere sets: a Lloyd iteration on outside volume ([Guerrero2007, 4.1] after \[Wang2006\]).
 //!
 //! E = sum over spheres of the volume inside the sphere and outside the object [Guerrero2007, eq. 4.1]. Each round
 //! assigns every surface and inner point to one sphere in flood-fill order, always by the least growth of E, then moves
