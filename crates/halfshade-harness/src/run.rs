@@ -544,7 +544,7 @@ pub(crate) fn file_name(label: &str) -> String {
 mod tests {
     use super::*;
     use crate::clock::mock::MockClock;
-    use halfshade_scene::{Camera, Environment, RadianceMut, Receivers};
+    use halfshade_scene::{Environment, RadianceMut, Receivers};
     use halfshade_strategy::Footprint;
     use std::{sync::Arc, time::Duration};
 
@@ -568,16 +568,7 @@ mod tests {
 
     #[test]
     fn preparing_and_shading_are_charged_apart_and_the_neighbour_is_free() {
-        let scene = Scene {
-            name: "empty".into(),
-            objects: Vec::new(),
-            environment: Environment::constant(Vec3::ONE),
-            environment_turn_per_sec: 0.0,
-            lights: Vec::new(),
-            camera: Camera { eye: Vec3::Z, target: Vec3::ZERO, vertical_fov_degrees: 40.0, resolution: [1, 1] },
-            frames_per_sec: 30.0,
-            frame_count: 10,
-        };
+        let scene = Scene { frame_count: 10, ..Scene::at_rest("empty", Vec::new(), Environment::constant(Vec3::ONE)) };
         let clock = Arc::new(MockClock::default());
         let mut receivers = ReceiverBuffer::default();
         receivers.push(Vec3::ZERO, Vec3::Y, Vec3::ONE, 0);

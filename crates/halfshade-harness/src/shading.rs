@@ -34,21 +34,12 @@ mod tests {
     use super::*;
     use crate::toy;
     use glam::Vec3;
-    use halfshade_scene::{Camera, Environment, ReceiverBuffer, Scene, progress::Silent};
+    use halfshade_scene::{Environment, ReceiverBuffer, Scene, progress::Silent};
     use halfshade_strategy::Params;
 
     #[test]
     fn every_receiver_is_shaded_once_however_many_there_are() {
-        let scene = Scene {
-            name: "empty".into(),
-            objects: Vec::new(),
-            environment: Environment::constant(Vec3::ONE),
-            environment_turn_per_sec: 0.0,
-            lights: Vec::new(),
-            camera: Camera { eye: Vec3::Z, target: Vec3::ZERO, vertical_fov_degrees: 40.0, resolution: [1, 1] },
-            frames_per_sec: 30.0,
-            frame_count: 1,
-        };
+        let scene = Scene::at_rest("empty", Vec::new(), Environment::constant(Vec3::ONE));
         let strategy = &toy::strategies()[0];
         let params = Params::defaults(&strategy.info().parameters);
         let baked = strategy.bake(&scene, &params, &Silent).unwrap();

@@ -7,9 +7,7 @@
 
 use crate::metrics::{Reference, compare};
 use glam::Vec3;
-use halfshade_scene::{
-    Camera, Environment, Material, Mesh, Motion, Object, Pose, Progress, ReceiverBuffer, Scene, SphereSet,
-};
+use halfshade_scene::{Environment, Material, Mesh, Motion, Object, Pose, Progress, ReceiverBuffer, Scene, SphereSet};
 use halfshade_truth::{Estimate, Geometry, Options, Tracer, estimate};
 use std::sync::Arc;
 
@@ -37,16 +35,7 @@ pub fn ground_shadow_error(mesh: &Arc<Mesh>, set: &SphereSet, progress: &dyn Pro
         cluster_count: 0,
         motion: Motion::Still(Pose::IDENTITY),
     };
-    let scene = Scene {
-        name: "ground".into(),
-        objects: vec![object],
-        environment: Environment::constant(Vec3::ONE),
-        environment_turn_per_sec: 0.0,
-        lights: Vec::new(),
-        camera: Camera { eye: max, target: min, vertical_fov_degrees: 40.0, resolution: [1, 1] },
-        frames_per_sec: 30.0,
-        frame_count: 1,
-    };
+    let scene = Scene::at_rest("ground", vec![object], Environment::constant(Vec3::ONE));
     let mut receivers = ReceiverBuffer::default();
     let middle = 0.5 * (min + max);
     for i in 0..GRID * GRID {

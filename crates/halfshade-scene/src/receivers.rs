@@ -48,7 +48,7 @@ impl ReceiverBuffer {
         for (number, object) in frame.scene.objects.iter().enumerate() {
             let mesh = &object.mesh;
             for vertex in 0..mesh.positions.len() {
-                let albedo = object.material.albedo * mesh.colors.get(vertex).copied().unwrap_or(Vec3::ONE);
+                let albedo = object.albedo_at_vertex(vertex);
                 buffer.albedo.iter_mut().zip(albedo.to_array()).for_each(|(channel, value)| channel.push(value));
                 buffer.object.push(number as u32);
             }

@@ -1,8 +1,11 @@
 //! A scene: objects that move, light that falls on them, a camera that looks.
 
 use crate::{Camera, Environment, Material, Mesh, Motion, SphereLight, SphereSet};
-use glam::{Quat, Vec3};
+use glam::{DVec3, Quat, Vec3};
 use std::sync::Arc;
+
+/// Most bounces that a scene may ask for: at an albedo of 0.8 what is left is 0.03 of the light.
+pub const MAX_BOUNCES: usize = 16;
 
 /// One rigid object.
 #[derive(Debug, Clone)]
@@ -42,9 +45,43 @@ pub struct Scene {
     pub frames_per_sec: f64,
     /// Length of the animation in frames, at least 1.
     pub frame_count: usize,
+    /// How many diffuse bounces of light are asked for: 0 is direct light alone. At most [`MAX_BOUNCES`].
+    pub bounces: usize,
+}
+
+impl Object {
+    /// Albedo at a vertex of the mesh.
+    pub fn albedo_at_vertex(&self, vertex: usize) -> Vec3 {
+        self.material.albedo * self.mesh.colors.get(vertex).copied().unwrap_or(Vec3::ONE)
+    }
+
+    /// Albedo on a triangle of the mesh, at the point that has these weights of its vertices.
+    pub fn albedo_at(&self, triangle: usize, weights: DVec3) -> Vec3 {
+        if self.mesh.colors.is_empty() {
+            return self.material.albedo;
+        }
+        let corners = self.mesh.triangles[triangle].map(|vertex| self.mesh.colors[vertex as usize].as_dvec3());
+        let color = corners.into_iter().zip(weights.to_array()).map(|(color, weight)| weight * color).sum::<DVec3>();
+        self.material.albedo * color.as_vec3()
+    }
 }
 
 impl Scene {
+    /// A scene in which nothing moves: direct light only, no local lights, a small picture from (0, 0, 1).
+    pub fn at_rest(name: impl Into<String>, objects: Vec<Object>, environment: Environment) -> Self {
+        Self {
+            name: name.into(),
+            objects,
+            environment,
+            environment_turn_per_sec: 0.0,
+            lights: Vec::new(),
+            camera: Camera { eye: Vec3::Z, target: Vec3::ZERO, vertical_fov_degrees: 40.0, resolution: [16, 12] },
+            frames_per_sec: crate::file::DEFAULT_FRAMES_PER_SEC,
+            frame_count: 1,
+            bounces: 0,
+        }
+    }
+
     /// The scene at frame `index`. Frames past the end are valid: motions hold their last pose.
     pub fn frame(&self, index: usize) -> crate::Frame<'_> {
         let time_secs = index as f64 / self.frames_per_sec;

@@ -1,23 +1,12 @@
 //! Scenes for unit tests.
 
 use glam::Vec3;
-use halfshade_scene::{
-    Camera, Environment, Material, Mesh, Motion, Object, Pose, Scene, Sphere, SphereSet, builtin::shapes,
-};
+use halfshade_scene::{Environment, Material, Mesh, Motion, Object, Pose, Scene, Sphere, SphereSet, builtin::shapes};
 use std::sync::Arc;
 
 /// No objects.
 pub(crate) fn empty(environment: Environment) -> Scene {
-    Scene {
-        name: "empty".into(),
-        objects: Vec::new(),
-        environment,
-        environment_turn_per_sec: 0.0,
-        lights: Vec::new(),
-        camera: Camera { eye: Vec3::Z, target: Vec3::ZERO, vertical_fov_degrees: 40.0, resolution: [8, 8] },
-        frames_per_sec: 30.0,
-        frame_count: 1,
-    }
+    Scene::at_rest("empty", Vec::new(), environment)
 }
 
 /// Unit spheres, scaled and moved: meshes whose sphere sets are exact up to the mesh's own facets.

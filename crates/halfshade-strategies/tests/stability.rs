@@ -6,8 +6,8 @@
 
 use glam::Vec3;
 use halfshade_scene::{
-    Camera, Environment, Material, Mesh, Motion, Object, Pose, RadianceBuffer, ReceiverBuffer, Scene, Sphere,
-    SphereSet, progress::Silent,
+    Environment, Material, Mesh, Motion, Object, Pose, RadianceBuffer, ReceiverBuffer, Scene, Sphere, SphereSet,
+    progress::Silent,
 };
 use halfshade_strategies::ShExp;
 use halfshade_strategy::{Baked, Params, Strategy};
@@ -29,24 +29,16 @@ const BOUND: f32 = 1.633;
 
 fn scene(environment: Environment, spheres: &[Sphere]) -> Scene {
     let set = SphereSet { spheres: spheres.to_vec(), ..SphereSet::default() };
-    Scene {
+    let object = Object {
         name: "spheres".into(),
-        objects: vec![Object {
-            name: "spheres".into(),
-            mesh: Arc::new(Mesh::default()),
-            material: Material::default(),
-            sphere_count: spheres.len(),
-            spheres: Some(Arc::new(set)),
-            cluster_count: 0,
-            motion: Motion::Still(Pose::IDENTITY),
-        }],
-        environment,
-        environment_turn_per_sec: 0.0,
-        lights: Vec::new(),
-        camera: Camera { eye: Vec3::Z, target: Vec3::ZERO, vertical_fov_degrees: 40.0, resolution: [8, 8] },
-        frames_per_sec: 30.0,
-        frame_count: 1,
-    }
+        mesh: Arc::new(Mesh::default()),
+        material: Material::default(),
+        sphere_count: spheres.len(),
+        spheres: Some(Arc::new(set)),
+        cluster_count: 0,
+        motion: Motion::Still(Pose::IDENTITY),
+    };
+    Scene::at_rest("spheres", vec![object], environment)
 }
 
 /// Bakes once: tables don't depend on the scene, whose spheres and light `prepare` takes from the frame.

@@ -211,11 +211,10 @@ impl Tracer {
         let face = (b - a).cross(c - a).normalize_or(DVec3::Y);
         let normal = blend(&|v| pose.transform_direction(mesh.normals[v])).normalize_or(face).as_vec3();
         let seen_from_behind = face.dot(direction.as_dvec3()) > 0.0;
-        let colour = if mesh.colors.is_empty() { Vec3::ONE } else { blend(&|v| mesh.colors[v]).as_vec3() };
         Surface {
             position,
             normal: if seen_from_behind { -normal } else { normal },
-            albedo: object.material.albedo * colour,
+            albedo: object.albedo_at(hit.triangle as usize, hit.barycentrics.as_dvec3()),
             object: hit.object,
         }
     }

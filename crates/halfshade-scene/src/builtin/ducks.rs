@@ -83,11 +83,6 @@ pub(super) fn scene() -> Scene {
         }),
     }));
     Scene {
-        name: "ducks".into(),
-        objects,
-        environment: daylight::clear_sky(42.0, -125.0),
-        environment_turn_per_sec: 0.0,
-        lights: Vec::new(),
         camera: Camera {
             eye: Vec3::new(0.5, 1.95, 4.4),
             target: Vec3::new(0.02, 0.48, -0.1),
@@ -96,6 +91,7 @@ pub(super) fn scene() -> Scene {
         },
         frames_per_sec: FRAMES_PER_SEC,
         frame_count: FRAME_COUNT,
+        ..Scene::at_rest("ducks", objects, daylight::clear_sky(42.0, -125.0))
     }
 }
 

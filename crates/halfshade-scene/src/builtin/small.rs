@@ -16,34 +16,30 @@ use std::sync::Arc;
 /// radius is θ there, loses exactly sin²θ · cos γ of its unshadowed radiance 1. The sphere rises and sinks.
 pub(super) fn one_sphere() -> Scene {
     let still = |translation| Pose { scale: 3.0, ..Pose::from_translation(translation) };
+    let objects = vec![
+        Object {
+            name: "plane".into(),
+            mesh: Arc::new(shapes::plane(64)),
+            material: Material::default(),
+            sphere_count: 0,
+            spheres: None,
+            cluster_count: 4,
+            motion: Motion::Still(still(Vec3::ZERO)),
+        },
+        Object {
+            name: "sphere".into(),
+            mesh: Arc::new(shapes::sphere(20)),
+            material: Material::default(),
+            sphere_count: 1,
+            spheres: None,
+            cluster_count: 4,
+            motion: keyframes(|time| Pose {
+                scale: 0.6,
+                ..Pose::from_translation(Vec3::new(0.0, 1.0 + 0.3 * wave(time, 1.0, 0.0), 0.0))
+            }),
+        },
+    ];
     Scene {
-        name: "one-sphere".into(),
-        objects: vec![
-            Object {
-                name: "plane".into(),
-                mesh: Arc::new(shapes::plane(64)),
-                material: Material::default(),
-                sphere_count: 0,
-                spheres: None,
-                cluster_count: 4,
-                motion: Motion::Still(still(Vec3::ZERO)),
-            },
-            Object {
-                name: "sphere".into(),
-                mesh: Arc::new(shapes::sphere(20)),
-                material: Material::default(),
-                sphere_count: 1,
-                spheres: None,
-                cluster_count: 4,
-                motion: keyframes(|time| Pose {
-                    scale: 0.6,
-                    ..Pose::from_translation(Vec3::new(0.0, 1.0 + 0.3 * wave(time, 1.0, 0.0), 0.0))
-                }),
-            },
-        ],
-        environment: Environment::constant(Vec3::ONE),
-        environment_turn_per_sec: 0.0,
-        lights: Vec::new(),
         camera: Camera {
             eye: Vec3::new(0.0, 2.6, 5.6),
             target: Vec3::new(0.0, 0.55, 0.0),
@@ -52,6 +48,7 @@ pub(super) fn one_sphere() -> Scene {
         },
         frames_per_sec: FRAMES_PER_SEC,
         frame_count: FRAME_COUNT,
+        ..Scene::at_rest("one-sphere", objects, Environment::constant(Vec3::ONE))
     }
 }
 
@@ -97,11 +94,6 @@ pub(super) fn crowd() -> Scene {
         });
     }
     Scene {
-        name: "crowd".into(),
-        objects,
-        environment: studio::studio(),
-        environment_turn_per_sec: 0.0,
-        lights: Vec::new(),
         camera: Camera {
             eye: Vec3::new(0.0, 3.4, 6.0),
             target: Vec3::new(0.0, 0.1, 0.1),
@@ -110,6 +102,7 @@ pub(super) fn crowd() -> Scene {
         },
         frames_per_sec: FRAMES_PER_SEC,
         frame_count: FRAME_COUNT,
+        ..Scene::at_rest("crowd", objects, studio::studio())
     }
 }
 

@@ -114,11 +114,6 @@ pub(super) fn scene() -> Scene {
         }),
     }));
     Scene {
-        name: "squirrel-and-balls".into(),
-        objects,
-        environment: daylight::clear_sky(33.0, -118.0),
-        environment_turn_per_sec: 0.0,
-        lights: Vec::new(),
         camera: Camera {
             eye: Vec3::new(2.7, 2.5, 5.0),
             target: Vec3::new(0.2, 0.85, 0.1),
@@ -127,6 +122,7 @@ pub(super) fn scene() -> Scene {
         },
         frames_per_sec: FRAMES_PER_SEC,
         frame_count: FRAME_COUNT,
+        ..Scene::at_rest("squirrel-and-balls", objects, daylight::clear_sky(33.0, -118.0))
     }
 }
 

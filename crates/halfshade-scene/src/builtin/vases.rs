@@ -223,11 +223,6 @@ pub(super) fn scene() -> Scene {
         }),
     }));
     Scene {
-        name: "vases".into(),
-        objects,
-        environment: studio::studio(),
-        environment_turn_per_sec: 0.0,
-        lights: Vec::new(),
         camera: Camera {
             eye: Vec3::new(0.35, 2.15, 4.6),
             target: Vec3::new(0.05, 0.52, 0.0),
@@ -236,6 +231,7 @@ pub(super) fn scene() -> Scene {
         },
         frames_per_sec: FRAMES_PER_SEC,
         frame_count: FRAME_COUNT,
+        ..Scene::at_rest("vases", objects, studio::studio())
     }
 }
 

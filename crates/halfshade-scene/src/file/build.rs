@@ -6,6 +6,7 @@ use super::document::{
 use super::source::{Source, stem};
 use super::{DEFAULT_FRAMES_PER_SEC, DEFAULT_SPHERE_COUNT, framing};
 use crate::light::{Projection, Sky, load_probe};
+use crate::scene::MAX_BOUNCES;
 use crate::{Camera, Environment, Material, Motion, Object, Pose, Scene, SceneError, SphereLight, builtin, mesh};
 use glam::{Quat, Vec3};
 use std::ops::{Range, RangeInclusive};
@@ -44,6 +45,7 @@ pub(super) fn scene(source: &Source<'_>, document: Document) -> Result<Scene> {
         Motion::Still(_) => None,
     });
     let (frames_per_sec, frame_count) = animation(source, document.animation, last_key.fold(0.0, f64::max))?;
+    let bounces = whole(source, "bounces", document.bounces, 0..=MAX_BOUNCES as i64, 0)?;
     Ok(Scene {
         name: document.name.unwrap_or_else(|| stem(source.path)),
         objects,
@@ -53,6 +55,7 @@ pub(super) fn scene(source: &Source<'_>, document: Document) -> Result<Scene> {
         camera,
         frames_per_sec,
         frame_count,
+        bounces,
     })
 }
 

@@ -18,6 +18,7 @@ pub(super) struct Document {
     pub(super) light: Vec<Spanned<LightTable>>,
     pub(super) camera: At<CameraTable>,
     pub(super) animation: Option<AnimationTable>,
+    pub(super) bounces: At<i64>,
 }
 
 #[derive(Debug, Deserialize)]

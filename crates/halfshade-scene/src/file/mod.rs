@@ -5,6 +5,7 @@
 //!
 //! ```toml
 //! name = "bunny"                    # default: the file's name
+//! bounces = 0                       # diffuse bounces of light asked for; 0: direct light alone
 //!
 //! [[object]]
 //! mesh = "bunny.obj"                # or shape = "sphere"|"plane"|"box"|..: see builtin::SHAPES
@@ -96,14 +97,5 @@ pub fn from_mesh(path: &Path, environment: Environment) -> Result<Scene, SceneEr
         cluster_count: 0,
         motion: Motion::Still(Pose::IDENTITY),
     };
-    Ok(Scene {
-        name,
-        objects: vec![object, ground],
-        environment,
-        environment_turn_per_sec: 0.0,
-        lights: Vec::new(),
-        camera: framing::camera_on(min, max),
-        frames_per_sec: DEFAULT_FRAMES_PER_SEC,
-        frame_count: 1,
-    })
+    Ok(Scene { camera: framing::camera_on(min, max), ..Scene::at_rest(name, vec![object, ground], environment) })
 }

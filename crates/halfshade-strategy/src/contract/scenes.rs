@@ -2,7 +2,7 @@
 
 use glam::{Quat, Vec3};
 use halfshade_scene::{
-    Camera, Environment, Frame, Material, Motion, Object, Pose, ReceiverBuffer, Scene, Sphere, SphereLight, SphereSet,
+    Environment, Frame, Material, Motion, Object, Pose, ReceiverBuffer, Scene, Sphere, SphereLight, SphereSet,
     builtin::shapes,
     light::{EnvironmentMap, Sun},
 };
@@ -36,16 +36,7 @@ pub(super) fn spheres(environment: Environment, spheres: &[Sphere]) -> Scene {
         cluster_count: 0,
         motion: Motion::Still(Pose { scale: sphere.radius, ..Pose::from_translation(sphere.center) }),
     }));
-    Scene {
-        name: "contract".into(),
-        objects,
-        environment,
-        environment_turn_per_sec: 0.0,
-        lights: Vec::new(),
-        camera: Camera { eye: Vec3::Z, target: Vec3::ZERO, vertical_fov_degrees: 40.0, resolution: [8, 8] },
-        frames_per_sec: 30.0,
-        frame_count: 1,
-    }
+    Scene::at_rest("contract", objects, environment)
 }
 
 /// A grey map of 16 by 8 texels that differ by a factor of six.

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 use halfshade_scene::{
-    Camera, Environment, Material, Mesh, Motion, Object, Pose, ReceiverBuffer, Scene, Sphere, SphereLight, SphereSet,
+    Environment, Material, Mesh, Motion, Object, Pose, ReceiverBuffer, Scene, Sphere, SphereLight, SphereSet,
     progress::Silent,
 };
 use halfshade_truth::{Estimate, Options, Tracer};
@@ -115,14 +115,8 @@ pub(crate) fn ball(center: Vec3, radius: f32) -> Object {
 
 pub(crate) fn scene(objects: Vec<Object>, environment: Environment, lights: Vec<SphereLight>) -> Scene {
     Scene {
-        name: "test".into(),
-        objects,
-        environment,
-        environment_turn_per_sec: 0.0,
         lights: lights.into_iter().map(|light| (light, Motion::Still(Pose::IDENTITY))).collect(),
-        camera: Camera { eye: Vec3::Z, target: Vec3::ZERO, vertical_fov_degrees: 40.0, resolution: [16, 12] },
-        frames_per_sec: 30.0,
-        frame_count: 1,
+        ..Scene::at_rest("test", objects, environment)
     }
 }
 
