@@ -22,6 +22,7 @@
 //!
 //! [[scene]]
 //! name = "vases"                     # built-in, or a scene or mesh file relative to this file
+//! bounces = 1                        # diffuse bounces of light, if other than the scene's own
 //! [[scene.published]]
 //! method = "Ren et al. pixel shader"
 //! hardware = "GeForce 8800 GTX"
@@ -92,6 +93,8 @@ pub struct SceneEntry {
     pub environment: Option<String>,
     /// Frames, if other than the experiment's.
     pub frames: Option<Vec<usize>>,
+    /// Diffuse bounces of light, if other than the scene's.
+    pub bounces: Option<Spanned<usize>>,
     /// Published figures to stand beside ours.
     #[serde(default)]
     pub published: Vec<Published>,

@@ -4,7 +4,7 @@ use crate::{
     Experiment, HarnessError, ReceiverKind, ReferenceKind, Variant, experiment::TimingSettings, reference::Accuracy,
     scene_source, variant,
 };
-use halfshade_scene::{Camera, Scene};
+use halfshade_scene::{Camera, Scene, scene::MAX_BOUNCES};
 use halfshade_strategy::Strategy;
 use std::num::NonZeroUsize;
 
@@ -62,12 +62,19 @@ impl Plan {
         let folder = experiment.path.parent().unwrap_or(std::path::Path::new("."));
         let mut scenes: Vec<(Scene, Vec<usize>)> = Vec::new();
         for entry in &experiment.scenes {
-            let scene = scene_source::resolve(entry.name.get_ref(), folder, entry.environment.as_deref())
+            let mut scene = scene_source::resolve(entry.name.get_ref(), folder, entry.environment.as_deref())
                 .map_err(|error| experiment.error_at(entry.name.span().start, error.to_string()))?;
             if scenes.iter().any(|(other, _)| other.name == scene.name) {
                 return Err(
                     experiment.error_at(entry.name.span().start, format!("scene `{}` is listed twice", scene.name))
                 );
+            }
+            if let Some(bounces) = &entry.bounces {
+                scene.bounces = *bounces.get_ref();
+                if scene.bounces > MAX_BOUNCES {
+                    let problem = format!("bounces = {}: at most {MAX_BOUNCES}", scene.bounces);
+                    return Err(experiment.error_at(bounces.span().start, problem));
+                }
             }
             let mut frames = entry.frames.clone().unwrap_or_else(|| experiment.frames.clone());
             if let Some(past) = frames.iter().find(|frame| **frame >= scene.frame_count.max(1)) {

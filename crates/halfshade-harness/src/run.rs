@@ -238,7 +238,7 @@ impl Session<'_> {
         if let Some(projection) = &projection {
             self.picture_truth(scene, index, projection, &references[0].1, exposure)?;
         }
-        self.reference_rows(&blank, &references, results);
+        self.reference_rows(scene, &blank, &references, results);
 
         let mut ready = Vec::new();
         for variant in &self.plan.variants {
@@ -321,7 +321,13 @@ impl Session<'_> {
     }
 
     /// How far the other references are from the mesh's: what a strategy without any error of its own would show.
-    fn reference_rows(&self, blank: &dyn Fn(&Variant) -> Run, references: &References, results: &mut Results) {
+    fn reference_rows(
+        &self,
+        scene: &Scene,
+        blank: &dyn Fn(&Variant) -> Run,
+        references: &References,
+        results: &mut Results,
+    ) {
         let Some(((_, mesh, _), others)) = references.split_first() else { return };
         for (kind, other, samples) in others {
             // Both sides are noisy: the variances of the difference add.
@@ -337,7 +343,7 @@ impl Session<'_> {
                 label: format!("reference: {kind}"),
                 params: std::collections::BTreeMap::from([("reference".to_owned(), kind.to_string().into())]),
                 status: Status::Ok,
-                error: Some(figures(ReferenceKind::Mesh, metrics)),
+                error: Some(figures(ReferenceKind::Mesh, scene, metrics)),
                 truth: Some(truth_figures(&both, *samples, mesh)),
                 ..blank(variant)
             });
@@ -393,7 +399,7 @@ impl Session<'_> {
                 let metrics = compare(&radiance, &reference)?;
                 Some(Run {
                     status: Status::Ok,
-                    error: Some(figures(*kind, metrics)),
+                    error: Some(figures(*kind, frame.scene, metrics)),
                     truth: Some(truth_figures(&reference, *samples, mesh)),
                     time: Some(TimeFigures::of(bake_secs, self.threads, Vec::new())),
                     memory: Some(memory.clone()),
@@ -523,8 +529,9 @@ fn timed_frame(
     Ok(Sample { prepare_secs, shade_secs })
 }
 
-fn figures(kind: ReferenceKind, metrics: Metrics) -> ErrorFigures {
-    ErrorFigures { reference: kind.to_string(), transport: "direct".into(), metrics, flip: None, ssim: None }
+fn figures(kind: ReferenceKind, scene: &Scene, metrics: Metrics) -> ErrorFigures {
+    let transport = if scene.bounces == 0 { "direct".into() } else { format!("bounces={}", scene.bounces) };
+    ErrorFigures { reference: kind.to_string(), transport, metrics, flip: None, ssim: None }
 }
 
 fn truth_figures(reference: &Reference, samples: usize, mesh: &Reference) -> TruthFigures {

@@ -12,13 +12,19 @@ pub enum Effect {
     LocalLights,
     /// Light that is not grey.
     ColouredLight,
+    /// Light that surfaces reflect onto each other.
+    Interreflection,
     /// Poses that change between frames.
     Motion,
 }
 
 impl Effect {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::EnvironmentLight, Self::LocalLights, Self::ColouredLight, Self::Motion];
+    pub const ALL: [Self; 5] =
+        [Self::EnvironmentLight, Self::LocalLights, Self::ColouredLight, Self::Interreflection, Self::Motion];
+
+    /// All that direct light does.
+    pub const DIRECT: [Self; 4] = [Self::EnvironmentLight, Self::LocalLights, Self::ColouredLight, Self::Motion];
 
     /// As users read it.
     pub const fn name(self) -> &'static str {
@@ -26,6 +32,7 @@ impl Effect {
             Self::EnvironmentLight => "environment light",
             Self::LocalLights => "local lights",
             Self::ColouredLight => "coloured light",
+            Self::Interreflection => "interreflection",
             Self::Motion => "motion",
         }
     }
@@ -86,6 +93,9 @@ impl Effects {
         let lights_grey = scene.lights.iter().all(|(light, _)| grey(light.radiance));
         if !(base_grey && lights_grey && scene.environment.sun.is_none_or(|sun| grey(sun.radiance))) {
             effects.push(Effect::ColouredLight);
+        }
+        if scene.bounces > 0 {
+            effects.push(Effect::Interreflection);
         }
         if scene.objects.iter().any(|object| object.motion.moves())
             || scene.lights.iter().any(|(_, motion)| motion.moves())

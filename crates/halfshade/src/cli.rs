@@ -64,6 +64,9 @@ pub struct SceneArguments {
     /// Frame of the animation.
     #[arg(long, default_value_t = 0)]
     pub frame: usize,
+    /// Diffuse bounces of light [default: the scene's, 0 of a mesh].
+    #[arg(long, value_name = "N")]
+    pub bounces: Option<usize>,
     /// Width and height, such as 640x480 [default: the scene's camera's].
     #[arg(long, value_name = "WxH", value_parser = resolution)]
     pub resolution: Option<[u32; 2]>,

@@ -55,7 +55,7 @@ impl Strategy for RayTraced {
                     kind: ParameterKind::Choice { values: &["cosine", "light", "mis"], default: "mis" },
                 },
             ],
-            effects: Effects::of(&Effect::ALL),
+            effects: Effects::of(&Effect::DIRECT),
         }
     }
 

@@ -46,7 +46,7 @@ impl Strategy for Unshadowed {
                 summary: "cells from the centre of the table over normals to its side",
                 kind: ParameterKind::Integer { default: 32, min: 2, max: 256 },
             }],
-            effects: Effects::of(&Effect::ALL),
+            effects: Effects::of(&Effect::DIRECT),
         }
     }
 

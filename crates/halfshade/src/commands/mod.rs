@@ -16,7 +16,7 @@ use crate::{
 };
 use glam::Vec3;
 use halfshade_harness::{HarnessError, Picture, SystemClock, run::Tools, scene_source};
-use halfshade_scene::{Scene, SceneError, cache::Cache};
+use halfshade_scene::{Scene, SceneError, cache::Cache, scene::MAX_BOUNCES};
 use halfshade_strategy::Strategy;
 use std::{
     path::{Path, PathBuf},
@@ -76,6 +76,10 @@ impl Context {
                 "scene `{}` has {} frames: there is no frame {}",
                 scene.name, scene.frame_count, arguments.frame
             )));
+        }
+        scene.bounces = arguments.bounces.unwrap_or(scene.bounces);
+        if scene.bounces > MAX_BOUNCES {
+            return Err(Failure::Error(format!("--bounces {}: at most {MAX_BOUNCES}", scene.bounces)));
         }
         scene.camera.resolution = arguments.resolution.unwrap_or(scene.camera.resolution);
         Ok(scene)
