@@ -11,7 +11,7 @@
 //! - [`product`] and [`tripling`]: the SH product and its exact coefficients.
 //!
 //! From light: [`lat_long`] projects images, [`quadrature`] functions; [`rotation`] turns SH vectors; [`window`] tames
-//! ringing.
+//! ringing. [`form_factor`] averages what a receiver sees of a sphere that shines.
 //!
 //! Everything above is f64, for any number of bands, and plain. [`kernel`] holds its f32 twins for 1 to 8 bands, eight
 //! vectors side by side, tested against it.
@@ -19,6 +19,7 @@
 pub mod basis;
 pub mod blocker_table;
 pub mod exponential;
+pub mod form_factor;
 pub mod kernel;
 pub mod lat_long;
 pub mod logarithm;
