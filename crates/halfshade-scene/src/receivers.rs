@@ -111,6 +111,13 @@ impl ReceiverBuffer {
         }
     }
 
+    /// Removes all receivers and keeps the memory.
+    pub fn clear(&mut self) {
+        self.position.iter_mut().chain(&mut self.normal).chain(&mut self.albedo).for_each(Vec::clear);
+        self.object.clear();
+        self.index.clear();
+    }
+
     /// How many there are.
     pub fn len(&self) -> usize {
         self.object.len()

@@ -4,8 +4,8 @@ use super::{LANES, ShBatch, product, square};
 use crate::exponential::{Exponential, MAX_SQUARINGS, Method, SERIES_MAGNITUDE};
 use wide::f32x8;
 
-/// `sqrt(4π)`.
-const FULL: f32 = 3.544_907_7;
+/// `sqrt(4π)`: the first coefficient of the function 1.
+pub const FULL: f32 = 3.544_907_7;
 
 /// An [`Exponential`] with its table in f32.
 #[derive(Debug, Clone)]

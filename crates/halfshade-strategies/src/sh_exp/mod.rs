@@ -41,11 +41,15 @@
 mod blockers;
 mod exposed;
 mod light_product;
+mod reflections;
 mod shade;
 mod sun_product;
 
 use blockers::{Blockers, Overlap, Shares};
-use halfshade_scene::{Frame, Progress, RadianceMut, Receivers, Scene, light::OctahedralGrid, spheres::AdjustRule};
+use halfshade_scene::{
+    Frame, Progress, RadianceBuffer, RadianceMut, Receivers, Scene, light::OctahedralGrid, scene::MAX_BOUNCES,
+    spheres::AdjustRule,
+};
 use halfshade_sh::{
     blocker_table::{BlockerTable, Quantity},
     dispatch_bands,
@@ -58,10 +62,15 @@ use halfshade_strategy::{
     Baked, Effect, Effects, Footprint, Info, Parameter, ParameterKind, Params, Strategy, StrategyError,
 };
 use light_product::LightProduct;
+use reflections::Reflections;
+use std::sync::Arc;
 
 /// The strategy.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct ShExp;
+
+/// Sample points per unit of parallel work.
+const SAMPLE_POINT_CHUNK: usize = 256;
 
 const NO_LOCAL_LIGHTS: &str =
     "local lights: the spherical harmonics of an infinitely distant light don't describe a light at a finite distance";
@@ -118,6 +127,46 @@ impl Strategy for ShExp {
                     "spheres of one object that cover each other: count each in full, or by its share of the silhouette",
                     choice(&["independent", "shared"], "independent"),
                 ),
+                parameter(
+                    "bounces",
+                    "most diffuse bounces, if the scene asks for more; 0: shadows alone",
+                    ParameterKind::Integer { default: MAX_BOUNCES as i64, min: 0, max: MAX_BOUNCES as i64 },
+                ),
+                parameter(
+                    "reflection-exp",
+                    "reflections: the exponential of the summed logarithms",
+                    choice(&["series", "optimal-linear", "hybrid", "quadratic"], "hybrid"),
+                ),
+                parameter(
+                    "intersections",
+                    "reflections: covering between intersecting spheres baked into their colours, or found by order",
+                    choice(&["precomputed", "ordered"], "precomputed"),
+                ),
+                parameter(
+                    "order",
+                    "reflections: nearer is by the distance of centres, or by power distance",
+                    choice(&["center", "power"], "center"),
+                ),
+                parameter(
+                    "walk",
+                    "reflections: sums over nearer spheres one by one, or from a running sum",
+                    choice(&["linear", "quadratic"], "linear"),
+                ),
+                parameter(
+                    "projection",
+                    "reflections: light times colours as an SH product, or projected directly",
+                    choice(&["direct", "product"], "direct"),
+                ),
+                parameter(
+                    "form-factor",
+                    "reflections: average over a sphere weighted by the surface's cosine, or by solid angle",
+                    choice(&["cosine", "solid-angle"], "solid-angle"),
+                ),
+                parameter(
+                    "sample-divisions",
+                    "reflections: 10n² + 2 sample points around each sphere",
+                    ParameterKind::Integer { default: 2, min: 1, max: 6 },
+                ),
                 parameter("clamp", "hold radiance between 0 and unshadowed", choice(&["off", "on"], "off")),
                 parameter(
                     "normals",
@@ -125,7 +174,12 @@ impl Strategy for ShExp {
                     ParameterKind::Integer { default: 32, min: 2, max: 128 },
                 ),
             ],
-            effects: Effects::of(&[Effect::EnvironmentLight, Effect::ColouredLight, Effect::Motion]),
+            effects: Effects::of(&[
+                Effect::EnvironmentLight,
+                Effect::ColouredLight,
+                Effect::Interreflection,
+                Effect::Motion,
+            ]),
         }
     }
 
@@ -135,39 +189,44 @@ impl Strategy for ShExp {
         }
         let bands = params.integer("bands") as usize;
         let clip = params.float("clip");
-        let limit = match params.float("magnitude-limit") {
-            0.0 => default_magnitude_limit(params.choice("exp"), bands),
-            limit => limit,
-        };
-        let method = match params.choice("exp") {
-            "series" => Some(Method::Series {
-                terms: params.integer("terms") as u32,
-                magnitude_limit: (params.choice("scaling") == "on").then_some(limit),
-            }),
-            "optimal-linear" => Some(Method::OptimalLinear),
-            "hybrid" => Some(Method::Hybrid { magnitude_limit: limit }),
-            "quadratic" => Some(Method::Quadratic { magnitude_limit: limit }),
-            _ => None,
+        let exponential = |exp| {
+            let limit = match params.float("magnitude-limit") {
+                0.0 => default_magnitude_limit(exp, bands),
+                limit => limit,
+            };
+            let method = match exp {
+                "series" => Method::Series {
+                    terms: params.integer("terms") as u32,
+                    magnitude_limit: (params.choice("scaling") == "on").then_some(limit),
+                },
+                "optimal-linear" => Method::OptimalLinear,
+                "hybrid" => Method::Hybrid { magnitude_limit: limit },
+                "quadratic" => Method::Quadratic { magnitude_limit: limit },
+                _ => return None,
+            };
+            let exponential = Exponential::new(bands, method, clip);
+            let published = params.choice("squaring") == "published";
+            BatchExponential::new(&if published { exponential } else { exponential.blended() })
         };
         progress.start("tables of blockers and light", 2);
         let unsupported = || StrategyError::Failed(format!("{bands} bands: there are kernels for 1 to 8"));
-        let combination = match method {
-            Some(method) => {
-                let exponential = Exponential::new(bands, method, clip);
-                let published = params.choice("squaring") == "published";
-                let exponential = if published { exponential } else { exponential.blended() };
-                Combination::Exponential(BatchExponential::new(&exponential).ok_or_else(unsupported)?)
-            }
-            None if params.choice("exp") == "shares" => {
-                Combination::Shares { points: params.integer("points") as usize }
-            }
-            None => Combination::Product,
+        let build = |quantity| BlockerTable::build(bands, quantity).map(Arc::new).ok_or_else(unsupported);
+        let logarithm = Quantity::Logarithm { clip };
+        let (combination, quantity) = match params.choice("exp") {
+            "shares" => (Combination::Shares { points: params.integer("points") as usize }, Quantity::BlockerMinusOne),
+            "product" => (Combination::Product, Quantity::BlockerMinusOne),
+            exp => (Combination::Exponential(exponential(exp).ok_or_else(unsupported)?), logarithm),
         };
-        let quantity = match combination {
-            Combination::Exponential(_) => Quantity::Logarithm { clip },
-            Combination::Product | Combination::Shares { .. } => Quantity::BlockerMinusOne,
+        let table = build(quantity)?;
+        let bounces = scene.bounces.min(params.integer("bounces") as usize);
+        let reflections = match bounces {
+            0 => None,
+            _ => {
+                let exponential = exponential(params.choice("reflection-exp")).ok_or_else(unsupported)?;
+                let table = if quantity == logarithm { table.clone() } else { build(logarithm)? };
+                Some(Reflections::new(scene, params, bounces, exponential, table))
+            }
         };
-        let table = BlockerTable::build(bands, quantity).ok_or_else(unsupported)?;
         progress.advance(1);
         let window = match params.choice("window") {
             "hann" => Window::Hann,
@@ -190,6 +249,7 @@ impl Strategy for ShExp {
             overlap,
             shares,
             blockers: Blockers::default(),
+            reflections,
         }))
     }
 }
@@ -221,12 +281,13 @@ struct Prepared {
     bands: usize,
     rule: AdjustRule,
     clamp: bool,
-    table: BlockerTable,
+    table: Arc<BlockerTable>,
     combination: Combination,
     light: LightProduct,
     overlap: Overlap,
     shares: Shares,
     blockers: Blockers,
+    reflections: Option<Reflections>,
 }
 
 impl Baked for Prepared {
@@ -236,6 +297,7 @@ impl Baked for Prepared {
                 ("blockers by angular radius", self.table.bytes()),
                 ("light by normal", self.light.bytes()),
                 ("spheres", self.blockers.bytes()),
+                ("reflections", self.reflections.as_ref().map_or(0, Reflections::bytes)),
             ],
         }
     }
@@ -246,11 +308,44 @@ impl Baked for Prepared {
         }
         self.light.set(&frame.scene.environment);
         self.blockers = Blockers::new(frame, &mut self.shares, self.overlap)?;
+        self.reflect(frame);
         Ok(())
     }
 
     fn shade(&self, receivers: Receivers<'_>, out: RadianceMut<'_>) {
         // `bake` made sure that there is a kernel for this number of bands.
         let _: Option<()> = dispatch_bands!(self.bands, N => shade::shade::<N>(self, receivers, out));
+    }
+}
+
+impl Prepared {
+    /// The first pass: as many rounds as there are bounces, each lit by the spheres of the one before.
+    fn reflect(&mut self, frame: &Frame<'_>) {
+        let Some(reflections) = &mut self.reflections else { return };
+        reflections.begin(frame);
+        let (points, bounces) = (std::mem::take(&mut reflections.points), reflections.bounces);
+        let mut light = RadianceBuffer::zeros(points.len());
+        for _ in 0..bounces {
+            self.shade_in_parallel(points.view(), light.view_mut());
+            if let Some(reflections) = &mut self.reflections {
+                reflections.shine(frame, &light);
+            }
+        }
+        if let Some(reflections) = &mut self.reflections {
+            reflections.points = points;
+        }
+    }
+
+    fn shade_in_parallel(&self, receivers: Receivers<'_>, out: RadianceMut<'_>) {
+        let count = receivers.len();
+        if count <= SAMPLE_POINT_CHUNK {
+            return self.shade(receivers, out);
+        }
+        let middle = count / 2;
+        let (left, right) = out.split_at(middle);
+        rayon::join(
+            || self.shade_in_parallel(receivers.slice(0..middle), left),
+            || self.shade_in_parallel(receivers.slice(middle..count), right),
+        );
     }
 }

@@ -1,6 +1,6 @@
 //! The inner loops: eight receivers side by side, one sphere after another.
 
-use super::{Combination, Prepared, exposed::Exposure};
+use super::{Combination, Prepared, exposed::Exposure, reflections::Gather};
 use halfshade_scene::{RadianceMut, Receivers};
 use halfshade_sh::{
     blocker_table::BlockerTable,
@@ -24,6 +24,8 @@ pub(super) fn shade<const N: usize>(prepared: &Prepared, receivers: Receivers<'_
         Combination::Shares { points } => Exposure::new(points, prepared.blockers.spheres.len()),
         _ => Exposure::new(1, 0),
     };
+    let reflections = prepared.reflections.as_ref().filter(|reflections| !reflections.is_dark());
+    let mut gather = reflections.map(|_| Gather::<N>::new(prepared.blockers.spheres.len()));
     let mut start = 0;
     while start < count {
         let lanes = (count - start).min(LANES);
@@ -41,7 +43,11 @@ pub(super) fn shade<const N: usize>(prepared: &Prepared, receivers: Receivers<'_
             Combination::Product => multiplied::<N>(prepared, &position, &normal),
             Combination::Shares { .. } => exposure.visibility::<N>(prepared, &position, &normal),
         };
-        let radiance = prepared.light.dot(&normal, &visibility, prepared.clamp);
+        let mut radiance = prepared.light.dot(&normal, &visibility, prepared.clamp);
+        if let (Some(gather), Some(reflections)) = (&mut gather, reflections) {
+            let reflected = gather.radiance(prepared, reflections, &position, &normal);
+            radiance.iter_mut().zip(reflected).for_each(|(sum, value)| *sum += value);
+        }
         for (channel, values) in radiance.into_iter().enumerate() {
             let values = (values * f32x8::from(load(receivers.albedo[channel]))).to_array();
             out.channels[channel][start..start + lanes].copy_from_slice(&values[..lanes]);

@@ -1,0 +1,123 @@
+//! Where a ray from within a mesh crosses its surface, all along.
+
+use glam::{DVec3, Vec3A};
+use halfshade_scene::Mesh;
+use obvhs::{
+    BvhBuildParams,
+    cwbvh::{CwBvh, builder::build_cwbvh},
+    ray::Ray,
+    triangle::Triangle,
+};
+use std::time::Duration;
+
+/// Half the mesh's largest extent in the space that rays are traced in: obvhs ignores what is nearer than 1e-4.
+const HALF_EXTENT: f64 = 512.0;
+
+/// How far outside a triangle, in barycentric weights, a crossing still counts: sample directions meet vertices exactly.
+const EDGE: f64 = 1e-9;
+
+/// The triangles of a mesh, in its own space, in a hierarchy.
+pub(super) struct Crossings<'a> {
+    mesh: &'a Mesh,
+    hierarchy: CwBvh,
+    center: DVec3,
+    scale: f64,
+}
+
+/// One place where a ray meets the surface.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Crossing {
+    /// From the ray's origin, in lengths of the mesh's space.
+    pub(super) distance: f64,
+    pub(super) triangle: usize,
+    /// Weights of the triangle's vertices.
+    pub(super) weights: DVec3,
+    /// Whether the ray leaves through the back of the triangle, from inside to outside.
+    pub(super) leaves: bool,
+}
+
+impl<'a> Crossings<'a> {
+    pub(super) fn new(mesh: &'a Mesh) -> Self {
+        let (low, high) = mesh.bounds().map_or((DVec3::ZERO, DVec3::ZERO), |(a, b)| (a.as_dvec3(), b.as_dvec3()));
+        let half = 0.5 * (high - low).max_element();
+        let (center, scale) = (0.5 * (low + high), if half > 0.0 { HALF_EXTENT / half } else { 1.0 });
+        let corners: Vec<Triangle> = (mesh.triangles.iter())
+            .map(|corners| {
+                let [v0, v1, v2] =
+                    corners.map(|v| ((mesh.positions[v as usize].as_dvec3() - center) * scale).as_vec3a());
+                Triangle { v0, v1, v2 }
+            })
+            .collect();
+        let hierarchy = if corners.is_empty() {
+            CwBvh::default()
+        } else {
+            build_cwbvh(&corners, BvhBuildParams::medium_build(), &mut Duration::default())
+        };
+        Self { mesh, hierarchy, center, scale }
+    }
+
+    /// Calls `each` for all crossings of the ray from `origin` along unit `direction`, in no particular order.
+    ///
+    /// Of a ray through an edge both triangles may answer, and rarely none: the boxes' rays are in single precision.
+    pub(super) fn along(&self, origin: DVec3, direction: DVec3, mut each: impl FnMut(Crossing)) {
+        if self.mesh.triangles.is_empty() {
+            return;
+        }
+        // Adding 0 turns -0, with which the wide nodes miss everything, into 0.
+        let ray_direction = direction.as_vec3a() + Vec3A::ZERO;
+        let ray = Ray::new(((origin - self.center) * self.scale).as_vec3a(), ray_direction, 0.0, f32::INFINITY);
+        self.hierarchy.ray_traverse_anyhit(ray, |_, slot| {
+            let triangle = self.hierarchy.primitive_indices[slot] as usize;
+            let [a, b, c] = self.mesh.triangles[triangle].map(|v| self.mesh.positions[v as usize].as_dvec3());
+            let (ab, ac) = (b - a, c - a);
+            let normal = ab.cross(ac);
+            let facing = normal.dot(direction);
+            let offset = a - origin;
+            let distance = normal.dot(offset) / facing;
+            // Barycentric weights by Cramer's rule on origin + t·direction = a + v·ab + w·ac.
+            let across = direction.cross(offset);
+            let (v, w) = (-across.dot(ac) / facing, across.dot(ab) / facing);
+            if distance > 0.0 && v.min(w).min(1.0 - v - w) >= -EDGE {
+                each(Crossing { distance, triangle, weights: DVec3::new(1.0 - v - w, v, w), leaves: facing > 0.0 });
+            }
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use halfshade_scene::builtin::shapes;
+
+    /// Rays in all directions cross the unit sphere once from its centre and twice from outside, where it is.
+    #[test]
+    fn a_sphere_is_crossed_where_it_is() {
+        for scale in [1e-3f32, 1.0, 1e3] {
+            let mut mesh = shapes::sphere(12);
+            mesh.positions.iter_mut().for_each(|p| *p *= scale);
+            let crossings = Crossings::new(&mesh);
+            let scale = f64::from(scale);
+            let mut lost = 0;
+            for i in 0..500 {
+                let z = -1.0 + 2.0 * (f64::from(i) + 0.5) / 500.0;
+                let (sin, cos) = (2.4 * f64::from(i)).sin_cos();
+                let direction = DVec3::new(cos * (1.0 - z * z).sqrt(), sin * (1.0 - z * z).sqrt(), z);
+                let mut found = Vec::new();
+                crossings.along(DVec3::ZERO, direction, |crossing| found.push(crossing));
+                lost += usize::from(found.len() != 1);
+                for crossing in found {
+                    assert!(crossing.leaves && (crossing.distance / scale - 1.0).abs() < 0.01, "{crossing:?}");
+                    let corners = mesh.triangles[crossing.triangle].map(|v| mesh.positions[v as usize].as_dvec3());
+                    let point: DVec3 = corners.into_iter().zip(crossing.weights.to_array()).map(|(p, w)| w * p).sum();
+                    assert!(point.distance(crossing.distance * direction) < 1e-9 * scale, "{crossing:?}");
+                }
+                let mut sides = Vec::new();
+                crossings.along(-3.0 * scale * direction, direction, |crossing| sides.push(crossing.leaves));
+                sides.sort_unstable();
+                lost += usize::from(sides != [false, true]);
+            }
+            assert!(lost <= 4, "{lost}");
+        }
+        Crossings::new(&Mesh::default()).along(DVec3::ZERO, DVec3::X, |_| panic!("nothing to cross"));
+    }
+}

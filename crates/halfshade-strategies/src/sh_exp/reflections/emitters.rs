@@ -1,0 +1,99 @@
+//! First pass: light at the sample points becomes a radiance vector on every sphere [Guerrero2007, 4.3.2].
+//!
+//! Sample points, normals and the matrices W_j are kept in the object's space, so that an object may turn, move and change
+//! its size. The thesis turns the form factor into that space at every receiver (figure 4.17), because rotating an SH
+//! vector was expensive; here the few radiance vectors are turned into the space of the light instead, once per frame,
+//! which is the same sum and leaves receivers with one set of basis values per sphere.
+
+use super::surface::SphereSurface;
+use glam::DMat3;
+use halfshade_scene::{Frame, RadianceBuffer, ReceiverBuffer};
+use halfshade_sh::rotation::ShRotation;
+use rayon::prelude::*;
+
+/// What every sphere radiates, in light space.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Emitters {
+    /// Per sphere and channel an SH vector over the directions from its centre.
+    vectors: Vec<f32>,
+    /// Whether a sphere radiates at all.
+    shines: Vec<bool>,
+    /// Coefficients of a sphere, all channels.
+    stride: usize,
+}
+
+impl Emitters {
+    /// Whether nothing shines.
+    pub(super) fn is_dark(&self) -> bool {
+        !self.shines.contains(&true)
+    }
+
+    /// The vectors of a sphere, channel by channel; `None` if it is black.
+    pub(super) fn of(&self, sphere: usize) -> Option<&[f32]> {
+        self.shines[sphere].then(|| &self.vectors[sphere * self.stride..][..self.stride])
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(self.vectors.as_slice()) + self.shines.len()
+    }
+
+    /// `r = Σ_j M_j W_j` of every sphere, turned into light space. `light` is the radiance of white receivers at the
+    /// sample points of all spheres, in the order of [`place`].
+    pub(super) fn set(
+        &mut self,
+        surfaces: &[SphereSurface],
+        owners: &[u32],
+        frame: &Frame<'_>,
+        (bands, channels): (usize, usize),
+        light: &RadianceBuffer,
+    ) {
+        let count = bands * bands;
+        self.stride = channels * count;
+        let light_from_world = frame.world_from_environment.as_dquat().normalize().conjugate();
+        let rotations: Vec<ShRotation> = (frame.world_from_object.iter())
+            .map(|pose| {
+                let rows = DMat3::from_quat(light_from_world * pose.rotation.as_dquat().normalize()).transpose();
+                ShRotation::new(bands, &rows.to_cols_array_2d())
+            })
+            .collect();
+        let mut first = 0;
+        let starts: Vec<usize> = surfaces
+            .iter()
+            .map(|surface| {
+                first += surface.samples.len();
+                first - surface.samples.len()
+            })
+            .collect();
+        self.vectors.resize(surfaces.len() * self.stride, 0.0);
+        self.shines.resize(surfaces.len(), false);
+        let spheres = self.vectors.par_chunks_mut(self.stride).zip(&mut self.shines).enumerate();
+        spheres.for_each(|(number, (vectors, shines))| {
+            let mut sums = vec![0.0; channels * count];
+            for (sample, weights) in surfaces[number].weights.chunks_exact(channels * count).enumerate() {
+                let radiance = light.at(starts[number] + sample).to_array();
+                for (channel, (sum, weights)) in
+                    sums.chunks_exact_mut(count).zip(weights.chunks_exact(count)).enumerate()
+                {
+                    let radiance = f64::from(radiance[channel]);
+                    sum.iter_mut().zip(weights).for_each(|(sum, &w)| *sum += radiance * f64::from(w));
+                }
+            }
+            *shines = sums.iter().any(|&value| value != 0.0);
+            let rotation = &rotations[owners[number] as usize];
+            for (vector, sum) in vectors.chunks_exact_mut(count).zip(sums.chunks_exact(count)) {
+                vector.iter_mut().zip(rotation.apply(sum)).for_each(|(value, turned)| *value = turned as f32);
+            }
+        });
+    }
+}
+
+/// The sample points of all spheres in world space, as white receivers.
+pub(super) fn place(surfaces: &[SphereSurface], owners: &[u32], frame: &Frame<'_>, points: &mut ReceiverBuffer) {
+    points.clear();
+    for (surface, &object) in surfaces.iter().zip(owners) {
+        let pose = &frame.world_from_object[object as usize];
+        for &(position, normal) in &surface.samples {
+            points.push(pose.transform_point(position), pose.transform_direction(normal), glam::Vec3::ONE, object);
+        }
+    }
+}

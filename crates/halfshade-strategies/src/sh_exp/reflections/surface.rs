@@ -1,0 +1,163 @@
+//! What the spheres of an object know of its surface [Guerrero2007, 4.3.1]: sample points, and colours.
+//!
+//! Every point of the surface belongs to the sphere of least radius-scaled distance `|p - x|/r` (eq. 4.10). A ray from a
+//! sphere's centre sees of the surface's inside
+//! 1. the farthest crossing that belongs to the sphere, or
+//! 2. nothing, if all crossings belong to others: black, since another sphere covers this direction, or
+//! 3. if there are no crossings because the centre lies outside, what the opposite ray meets from the front.
+//!
+//! The first pass multiplies the light M at the sample points with the colours c, `r = M * c` (eq. 4.20), where
+//! `M = Σ_j M_j Y_j` sums over Voronoi cells (eq. 4.19). That is linear in the M_j, so the products are made here, once:
+//!
+//! ```text
+//! r = Σ_j M_j W_j        W_j = Y_j * c
+//! ```
+//!
+//! Two choices go beyond the thesis. [`Projection::Direct`] projects the product of cell and colour as it is,
+//! `W_j = ∫_cell c y dω`, instead of multiplying two band-limited functions, and gives the cells of directions without a
+//! sample to their neighbours, so that a colour's edge isn't darkened twice. [`Covered::Kept`] leaves out case 2: the first
+//! crossing counts whoever it belongs to, and who covers whom is left to the second pass.
+
+use super::{
+    crossings::{Crossing, Crossings},
+    geodesic::Geodesic,
+};
+use glam::{DVec3, Vec3};
+use halfshade_scene::{Object, Sphere};
+use halfshade_sh::product::product;
+use rayon::prelude::*;
+
+/// How light at sample points and colour become a radiance vector.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Projection {
+    /// An SH product [Guerrero2007, eq. 4.20].
+    Product,
+    /// Their product, projected.
+    Direct,
+}
+
+/// What a sphere shows where another covers it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Covered {
+    /// Nothing [Guerrero2007, 4.3.1].
+    Black,
+    /// The surface in that direction.
+    Kept,
+}
+
+/// One sphere's part of a surface, in the object's space.
+#[derive(Debug, Clone, Default)]
+pub(super) struct SphereSurface {
+    /// Sample points and their unit normals.
+    pub(super) samples: Vec<(Vec3, Vec3)>,
+    /// W_j: per sample and channel an SH vector.
+    pub(super) weights: Vec<f32>,
+}
+
+/// What a ray from a sphere's centre sees.
+struct Seen {
+    point: DVec3,
+    crossing: Crossing,
+}
+
+/// The surface of `object` as each of `spheres` knows it, with `channels` channels of albedo, 1 (of a grey one) or 3.
+pub(super) fn surfaces(
+    object: &Object,
+    spheres: &[Sphere],
+    bands: usize,
+    channels: usize,
+    geodesic: &Geodesic,
+    (projection, covered): (Projection, Covered),
+) -> Vec<SphereSurface> {
+    let crossings = Crossings::new(&object.mesh);
+    let owner = |point: DVec3| {
+        let distance =
+            |sphere: &Sphere| point.distance_squared(sphere.center.as_dvec3()) / f64::from(sphere.radius).powi(2);
+        (0..spheres.len()).min_by(|&a, &b| distance(&spheres[a]).total_cmp(&distance(&spheres[b])))
+    };
+    let look = |number: usize, direction: DVec3| -> Option<Seen> {
+        let center = spheres[number].center.as_dvec3();
+        let (mut inside, mut best) = (false, None::<Seen>);
+        let nearer =
+            |best: &Option<Seen>, distance| best.as_ref().is_none_or(|b: &Seen| distance < b.crossing.distance);
+        crossings.along(center, direction, |crossing| {
+            if !crossing.leaves {
+                return;
+            }
+            inside = true;
+            let point = center + crossing.distance * direction;
+            let better = match covered {
+                Covered::Black => {
+                    best.as_ref().is_none_or(|b| crossing.distance > b.crossing.distance)
+                        && owner(point) == Some(number)
+                }
+                Covered::Kept => nearer(&best, crossing.distance),
+            };
+            if better {
+                best = Some(Seen { point, crossing });
+            }
+        });
+        if !inside {
+            crossings.along(center, -direction, |crossing| {
+                if !crossing.leaves && nearer(&best, crossing.distance) {
+                    best = Some(Seen { point: center - crossing.distance * direction, crossing });
+                }
+            });
+            best = best.filter(|seen| covered == Covered::Kept || owner(seen.point) == Some(number));
+        }
+        best
+    };
+    let normal_at = |crossing: &Crossing| {
+        let corners = object.mesh.triangles[crossing.triangle].map(|v| object.mesh.normals[v as usize].as_dvec3());
+        let blend: DVec3 = corners.into_iter().zip(crossing.weights.to_array()).map(|(n, w)| w * n).sum();
+        blend.try_normalize().map(|normal| normal.as_vec3())
+    };
+    let count = bands * bands;
+    (0..spheres.len())
+        .into_par_iter()
+        .map(|number| {
+            let mut surface = SphereSurface::default();
+            let mut valid = Vec::new();
+            for (sample, &direction) in geodesic.samples.iter().enumerate() {
+                let seen = look(number, direction);
+                if let Some((seen, normal)) = seen.and_then(|seen| normal_at(&seen.crossing).map(|n| (seen, n))) {
+                    valid.push(sample);
+                    surface.samples.push((seen.point.as_vec3(), normal));
+                }
+            }
+            let all: Vec<usize> = (0..geodesic.samples.len()).collect();
+            let among = if projection == Projection::Product { &all } else { &valid };
+            let Some(cells) = geodesic.cells(among).filter(|_| !valid.is_empty()) else { return surface };
+            // Per sample direction and channel: of the cell's colours, and of the cell itself.
+            let mut colored = vec![0.0; geodesic.samples.len() * 3 * count];
+            let mut plain = vec![0.0; geodesic.samples.len() * count];
+            let mut environment = vec![0.0; 3 * count];
+            for (dense, &cell) in geodesic.dense.iter().zip(&cells) {
+                add(&mut plain[cell * count..][..count], 1.0, &dense.weighted_basis);
+                let Some(seen) = look(number, dense.direction) else { continue };
+                let albedo = object.albedo_at(seen.crossing.triangle, seen.crossing.weights).as_dvec3();
+                for channel in 0..3 {
+                    let row = (cell * 3 + channel) * count;
+                    add(&mut colored[row..][..count], albedo[channel], &dense.weighted_basis);
+                    add(&mut environment[channel * count..][..count], albedo[channel], &dense.weighted_basis);
+                }
+            }
+            for &sample in &valid {
+                for channel in 0..channels {
+                    let vector = match projection {
+                        Projection::Direct => colored[(sample * 3 + channel) * count..][..count].to_vec(),
+                        Projection::Product => {
+                            product(&plain[sample * count..][..count], &environment[channel * count..][..count])
+                        }
+                    };
+                    surface.weights.extend(vector.iter().map(|&value| value as f32));
+                }
+            }
+            surface
+        })
+        .collect()
+}
+
+fn add(sum: &mut [f64], factor: f64, vector: &[f64]) {
+    sum.iter_mut().zip(vector).for_each(|(sum, value)| *sum += factor * value);
+}

@@ -1,0 +1,127 @@
+//! Reflections of SH exponentiation against closed forms, and its variants against each other.
+
+use glam::{Quat, Vec3};
+use halfshade_scene::{
+    Cache, Environment, Frame, Material, Motion, Object, Pose, RadianceBuffer, ReceiverBuffer, Scene, Sphere, SphereSet,
+    builtin::{self, shapes},
+    progress::Silent,
+};
+use halfshade_strategies::sh_exp::ShExp;
+use halfshade_strategy::{Params, Strategy};
+use std::sync::Arc;
+
+fn ball(center: Vec3, radius: f32, albedo: Vec3) -> Object {
+    let set = SphereSet { spheres: vec![Sphere { center: Vec3::ZERO, radius: 1.0 }], ..SphereSet::default() };
+    Object {
+        name: "ball".into(),
+        mesh: Arc::new(shapes::sphere(20)),
+        material: Material { albedo },
+        sphere_count: 1,
+        spheres: Some(Arc::new(set)),
+        cluster_count: 1,
+        motion: Motion::Still(Pose { scale: radius, ..Pose::from_translation(center) }),
+    }
+}
+
+fn scene(objects: Vec<Object>, bounces: usize) -> Scene {
+    Scene { bounces, ..Scene::at_rest("test", objects, Environment::constant(Vec3::ONE)) }
+}
+
+fn shade(scene: &Scene, frame: &Frame<'_>, receivers: &ReceiverBuffer, settings: &str) -> RadianceBuffer {
+    let params = Params::parse(&ShExp.info().parameters, settings).unwrap();
+    let mut baked = ShExp.bake(scene, &params, &Silent).unwrap();
+    baked.prepare(frame).unwrap();
+    let mut radiance = RadianceBuffer::zeros(receivers.len());
+    baked.shade(receivers.view(), radiance.view_mut());
+    radiance
+}
+
+/// White receivers on the ground, on a line.
+fn line() -> ReceiverBuffer {
+    let mut receivers = ReceiverBuffer::default();
+    (0..40).for_each(|i| receivers.push(Vec3::new(0.1 * i as f32, 0.0, 0.03), Vec3::Y, Vec3::ONE, 0));
+    receivers
+}
+
+fn largest_difference(a: &RadianceBuffer, b: &RadianceBuffer) -> f32 {
+    let pairs = a.channels.iter().flatten().zip(b.channels.iter().flatten());
+    pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+}
+
+/// A ball that sees nothing but the sky radiates its albedo everywhere: the ground gets back that share of what it lost.
+#[test]
+fn a_ball_under_a_constant_sky_gives_back_its_albedo() {
+    let albedo = Vec3::new(1.0, 0.5, 0.1);
+    for bounces in [1, 3] {
+        let scene = scene(vec![ball(Vec3::new(0.0, 1.3, 0.0), 1.0, albedo)], bounces);
+        for settings in ["", "intersections=ordered,order=power", "projection=product,form-factor=cosine", "walk=quadratic"]
+        {
+            let shadow = shade(&scene, &scene.frame(0), &line(), &format!("bounces=0,{settings}"));
+            let all = shade(&scene, &scene.frame(0), &line(), settings);
+            for i in 0..shadow.len() {
+                let expected = shadow.at(i) + albedo * (Vec3::ONE - shadow.at(i));
+                let error = (all.at(i) - expected).abs().max_element();
+                assert!(error < 2e-3, "{settings}: {} instead of {expected}", all.at(i));
+            }
+        }
+    }
+}
+
+fn crowded() -> Scene {
+    let mut scene = builtin::scene("vases").unwrap();
+    scene.build_spheres(&Cache::disabled(), &Silent).unwrap();
+    Scene { bounces: 1, ..scene }
+}
+
+/// The running sum less the neighbours is the sum over all others: rounding alone is between them.
+#[test]
+fn linear_and_quadratic_walks_agree() {
+    let scene = crowded();
+    let frame = scene.frame(7);
+    let receivers = ReceiverBuffer::vertices(&frame);
+    for settings in ["", "intersections=ordered", "order=power", "reflection-exp=optimal-linear", "bands=3", "bands=6"] {
+        let linear = shade(&scene, &frame, &receivers, &format!("walk=linear,{settings}"));
+        let quadratic = shade(&scene, &frame, &receivers, &format!("walk=quadratic,{settings}"));
+        let difference = largest_difference(&linear, &quadratic);
+        assert!(difference < 1e-4, "{settings}: {difference}");
+    }
+}
+
+/// Objects that turn and grow carry their colours along: the same world, described twice.
+#[test]
+fn turned_and_scaled_objects_reflect_alike() {
+    let two_colours = || {
+        let mut object = ball(Vec3::new(0.3, 1.4, 0.2), 0.8, Vec3::ONE);
+        let mut mesh = shapes::sphere(20);
+        mesh.colors = mesh.positions.iter().map(|p| if p.x > 0.2 { Vec3::X } else { Vec3::splat(0.6) }).collect();
+        object.mesh = Arc::new(mesh);
+        object
+    };
+    let turn = Quat::from_axis_angle(Vec3::new(1.0, 2.0, -0.5).normalize(), 0.9);
+    let mut baked_in = two_colours();
+    let mut mesh = (*baked_in.mesh).clone();
+    mesh.positions.iter_mut().chain(&mut mesh.normals).for_each(|v| *v = turn * *v);
+    baked_in.mesh = Arc::new(mesh);
+    let mut posed = two_colours();
+    if let Motion::Still(pose) = &mut posed.motion {
+        pose.rotation = turn;
+    }
+    let radiance = [baked_in, posed].map(|object| {
+        let scene = scene(vec![object], 1);
+        shade(&scene, &scene.frame(0), &line(), "sample-divisions=4")
+    });
+    // Sample directions lie differently on the surface.
+    let difference = largest_difference(&radiance[0], &radiance[1]);
+    assert!(difference < 5e-3, "{difference}");
+    let green: f32 = radiance[0].channels[1].iter().sum();
+    let red: f32 = radiance[0].channels[0].iter().sum();
+    assert!(red > 1.01 * green, "{red} {green}");
+}
+
+/// What nothing reflects costs nothing and changes nothing.
+#[test]
+fn black_objects_change_no_bit() {
+    let scene = scene(vec![ball(Vec3::new(0.0, 1.3, 0.0), 1.0, Vec3::ZERO)], 2);
+    let shadow = shade(&scene, &scene.frame(0), &line(), "bounces=0");
+    assert_eq!(shade(&scene, &scene.frame(0), &line(), ""), shadow);
+}
