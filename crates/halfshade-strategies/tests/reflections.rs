@@ -2,7 +2,8 @@
 
 use glam::{Quat, Vec3};
 use halfshade_scene::{
-    Cache, Environment, Frame, Material, Motion, Object, Pose, RadianceBuffer, ReceiverBuffer, Scene, Sphere, SphereSet,
+    Cache, Environment, Frame, Material, Motion, Object, Pose, RadianceBuffer, ReceiverBuffer, Scene, Sphere,
+    SphereSet,
     builtin::{self, shapes},
     progress::Silent,
 };
@@ -54,7 +55,8 @@ fn a_ball_under_a_constant_sky_gives_back_its_albedo() {
     let albedo = Vec3::new(1.0, 0.5, 0.1);
     for bounces in [1, 3] {
         let scene = scene(vec![ball(Vec3::new(0.0, 1.3, 0.0), 1.0, albedo)], bounces);
-        for settings in ["", "intersections=ordered,order=power", "projection=product,form-factor=cosine", "walk=quadratic"]
+        for settings in
+            ["", "intersections=ordered,order=power", "projection=product,form-factor=cosine", "walk=quadratic"]
         {
             let shadow = shade(&scene, &scene.frame(0), &line(), &format!("bounces=0,{settings}"));
             let all = shade(&scene, &scene.frame(0), &line(), settings);
@@ -79,7 +81,8 @@ fn linear_and_quadratic_walks_agree() {
     let scene = crowded();
     let frame = scene.frame(7);
     let receivers = ReceiverBuffer::vertices(&frame);
-    for settings in ["", "intersections=ordered", "order=power", "reflection-exp=optimal-linear", "bands=3", "bands=6"] {
+    for settings in ["", "intersections=ordered", "order=power", "reflection-exp=optimal-linear", "bands=3", "bands=6"]
+    {
         let linear = shade(&scene, &frame, &receivers, &format!("walk=linear,{settings}"));
         let quadratic = shade(&scene, &frame, &receivers, &format!("walk=quadratic,{settings}"));
         let difference = largest_difference(&linear, &quadratic);

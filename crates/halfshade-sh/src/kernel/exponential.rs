@@ -1,6 +1,6 @@
 //! The SH exponential of eight vectors at a time, the f32 twin of [`crate::exponential`].
 
-use super::{LANES, ShBatch, product, square};
+use super::{ShBatch, product, square};
 use crate::exponential::{Exponential, MAX_SQUARINGS, Method, SERIES_MAGNITUDE};
 use wide::f32x8;
 
@@ -95,12 +95,8 @@ impl BatchExponential {
         assert_eq!(N, self.bands * self.bands, "one number of bands");
         let mut isolated = *f;
         let constant = std::mem::take(&mut isolated[0]) * f32x8::splat(1.0 / FULL);
-        let magnitude = isolated.iter().fold(f32x8::ZERO, |sum, &value| value.mul_add(value, sum)).sqrt();
-        let limit = match self.method {
-            BatchMethod::Series { magnitude_limit, .. }
-            | BatchMethod::Quadratic { magnitude_limit }
-            | BatchMethod::Linear { magnitude_limit } => magnitude_limit,
-        };
+        let magnitude = magnitude(&isolated);
+        let limit = self.magnitude_limit();
         let (squarings, scale, most) = squarings(magnitude, limit);
         let mut h = self.scaled(&isolated, constant, magnitude, scale);
         if self.blended {
@@ -119,6 +115,41 @@ impl BatchExponential {
         }
         h[0] += f32x8::splat(FULL);
         h
+    }
+
+    /// `weights · exp(f)`: what [`Self::evaluate`] and a dot product give, up to rounding.
+    ///
+    /// Where nothing has to be squared, the optimal-linear form is a sum of two vectors: their dot products do, and the
+    /// vector of the result is never made. Lanes that are squared take the long way.
+    ///
+    /// # Panics
+    /// If `N` is not `bands²`.
+    pub fn evaluate_dot<const N: usize>(&self, f: &ShBatch<N>, weights: &ShBatch<N>) -> f32x8 {
+        let BatchMethod::Linear { magnitude_limit } = self.method else {
+            return dot(&self.evaluate(f), weights);
+        };
+        let mut isolated = *f;
+        let constant = std::mem::take(&mut isolated[0]) * f32x8::splat(1.0 / FULL);
+        let magnitude = magnitude(&isolated);
+        let plain = magnitude.simd_le(f32x8::splat(if self.blended { 0.5 * magnitude_limit } else { magnitude_limit }));
+        let long_way = if plain.all() { f32x8::ZERO } else { dot(&self.evaluate(f), weights) };
+        let (a, b) = self.table.coefficients(magnitude);
+        let difference = constant.exp_m1();
+        let factor = difference + f32x8::ONE;
+        let full = f32x8::splat(FULL);
+        let h0 = (factor.mul_add(a, difference) * full).max(-full).min(f32x8::ZERO);
+        let (room, scale) = (-h0 * (full + h0), b * factor);
+        let energy = (scale * magnitude) * (scale * magnitude);
+        let scale = energy.simd_gt(room).select(scale * (room / energy).sqrt(), scale);
+        plain.select((h0 + full).mul_add(weights[0], scale * dot(&isolated, weights)), long_way)
+    }
+
+    fn magnitude_limit(&self) -> f32 {
+        match self.method {
+            BatchMethod::Series { magnitude_limit, .. }
+            | BatchMethod::Quadratic { magnitude_limit }
+            | BatchMethod::Linear { magnitude_limit } => magnitude_limit,
+        }
     }
 
     /// The inner form of `scale` times a vector, as the difference from 1.
@@ -157,6 +188,17 @@ impl BatchExponential {
     }
 }
 
+#[inline(always)]
+fn magnitude<const N: usize>(f: &ShBatch<N>) -> f32x8 {
+    dot(f, f).sqrt()
+}
+
+/// `Σ a_i b_i` of eight pairs.
+#[inline(always)]
+pub fn dot<const N: usize>(a: &ShBatch<N>, b: &ShBatch<N>) -> f32x8 {
+    a.iter().zip(b).fold(f32x8::ZERO, |sum, (a, b)| a.mul_add(*b, sum))
+}
+
 /// `V*V - 1` from `h = V - 1`, limited.
 #[inline(always)]
 fn square_difference<const N: usize>(h: &ShBatch<N>) -> ShBatch<N> {
@@ -170,20 +212,19 @@ fn square_difference<const N: usize>(h: &ShBatch<N>) -> ShBatch<N> {
 /// Per lane the number of squarings p and `2^-p`, and the largest p.
 #[inline]
 fn squarings(magnitude: f32x8, limit: f32) -> (f32x8, f32x8, u32) {
-    let (mut p, mut scale) = ([0.0; LANES], [1.0; LANES]);
-    let mut most = 0;
-    for (lane, magnitude) in magnitude.to_array().into_iter().enumerate() {
-        let mut scaled = magnitude;
-        let mut count = 0;
-        while scaled > limit && count < MAX_SQUARINGS {
-            scaled *= 0.5;
-            scale[lane] *= 0.5;
-            count += 1;
+    let (half, limit) = (f32x8::splat(0.5), f32x8::splat(limit));
+    let (mut scaled, mut p, mut scale, mut most) = (magnitude, f32x8::ZERO, f32x8::ONE, 0);
+    while most < MAX_SQUARINGS {
+        let over = scaled.simd_gt(limit);
+        if !over.any() {
+            break;
         }
-        p[lane] = count as f32;
-        most = most.max(count);
+        let factor = over.select(half, f32x8::ONE);
+        (scaled, scale) = (scaled * factor, scale * factor);
+        p += over.select(f32x8::ONE, f32x8::ZERO);
+        most += 1;
     }
-    (f32x8::from(p), f32x8::from(scale), most)
+    (p, scale, most)
 }
 
 /// `f̂ + f̂*f̂/2 + ..` by Horner's scheme.

@@ -10,7 +10,7 @@ mod shares;
 mod straight_line;
 mod table;
 
-pub use exponential::{BatchExponential, FULL, limit_to_visibility};
+pub use exponential::{BatchExponential, FULL, dot, limit_to_visibility};
 pub use lane::Lane;
 pub use shares::{CapBatch, ExposedShares};
 pub use straight_line::{accumulate_lobe, basis, product, product_one, square, square_one};

@@ -113,8 +113,13 @@ fn exponentials_agree_with_f64() {
             dispatch_bands!(bands, N => {
                 let sums = log_sums::<N>(&mut generator, 14);
                 let batch = batch_exponential.evaluate(&gather(&sums));
+                let weights = gather(&random::<N>(&mut generator));
+                let dots = batch_exponential.evaluate_dot(&gather(&sums), &weights).to_array();
                 for (at, sum) in sums.iter().enumerate() {
-                    assert_close(&lane(&batch, at), &exponential.evaluate(sum), 3.6);
+                    let expected = exponential.evaluate(sum);
+                    assert_close(&lane(&batch, at), &expected, 3.6);
+                    let dot = crate::basis::dot(&expected, &lane(&weights, at));
+                    assert_close(&[f64::from(dots[at])], &[dot], 3.6 * (1.0 + dot.abs()));
                 }
             })
             .unwrap();

@@ -138,6 +138,11 @@ impl Strategy for ShExp {
                     choice(&["series", "optimal-linear", "hybrid", "quadratic"], "hybrid"),
                 ),
                 parameter(
+                    "reflection-limit",
+                    "reflections: magnitude at which squaring starts; 0: as for shadows",
+                    ParameterKind::Float { default: 4.8, min: 0.0, max: 100.0 },
+                ),
+                parameter(
                     "intersections",
                     "reflections: covering between intersecting spheres baked into their colours, or found by order",
                     choice(&["precomputed", "ordered"], "precomputed"),
@@ -189,8 +194,8 @@ impl Strategy for ShExp {
         }
         let bands = params.integer("bands") as usize;
         let clip = params.float("clip");
-        let exponential = |exp| {
-            let limit = match params.float("magnitude-limit") {
+        let exponential = |exp, limit| {
+            let limit = match limit {
                 0.0 => default_magnitude_limit(exp, bands),
                 limit => limit,
             };
@@ -215,14 +220,18 @@ impl Strategy for ShExp {
         let (combination, quantity) = match params.choice("exp") {
             "shares" => (Combination::Shares { points: params.integer("points") as usize }, Quantity::BlockerMinusOne),
             "product" => (Combination::Product, Quantity::BlockerMinusOne),
-            exp => (Combination::Exponential(exponential(exp).ok_or_else(unsupported)?), logarithm),
+            exp => (
+                Combination::Exponential(exponential(exp, params.float("magnitude-limit")).ok_or_else(unsupported)?),
+                logarithm,
+            ),
         };
         let table = build(quantity)?;
         let bounces = scene.bounces.min(params.integer("bounces") as usize);
         let reflections = match bounces {
             0 => None,
             _ => {
-                let exponential = exponential(params.choice("reflection-exp")).ok_or_else(unsupported)?;
+                let limit = params.float("reflection-limit");
+                let exponential = exponential(params.choice("reflection-exp"), limit).ok_or_else(unsupported)?;
                 let table = if quantity == logarithm { table.clone() } else { build(logarithm)? };
                 Some(Reflections::new(scene, params, bounces, exponential, table))
             }

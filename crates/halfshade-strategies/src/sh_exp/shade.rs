@@ -2,10 +2,7 @@
 
 use super::{Combination, Prepared, exposed::Exposure, reflections::Gather};
 use halfshade_scene::{RadianceMut, Receivers};
-use halfshade_sh::{
-    blocker_table::BlockerTable,
-    kernel::{self, BatchExponential, LANES, ShBatch},
-};
+use halfshade_sh::kernel::{self, LANES, ShBatch};
 use wide::f32x8;
 
 /// Shades all receivers. Each lane's result depends on its own receiver alone, so that batches may be split anywhere; the
@@ -38,14 +35,17 @@ pub(super) fn shade<const N: usize>(prepared: &Prepared, receivers: Receivers<'_
             f32x8::from(load(receivers.position[axis]).map(|x| (f64::from(x) - center[axis]) as f32))
         }));
         let normal = turn(receivers.normal.map(|axis| f32x8::from(load(axis))));
+        let seen = gather.as_mut().zip(reflections).map(|(gather, r)| gather.see(prepared, r, &position, &normal));
         let visibility = match &prepared.combination {
-            Combination::Exponential(exponential) => exponentiated::<N>(prepared, exponential, &position, &normal),
+            Combination::Exponential(exponential) => {
+                exponential.evaluate(&seen.unwrap_or_else(|| log_sum::<N>(prepared, &position, &normal)))
+            }
             Combination::Product => multiplied::<N>(prepared, &position, &normal),
             Combination::Shares { .. } => exposure.visibility::<N>(prepared, &position, &normal),
         };
         let mut radiance = prepared.light.dot(&normal, &visibility, prepared.clamp);
         if let (Some(gather), Some(reflections)) = (&mut gather, reflections) {
-            let reflected = gather.radiance(prepared, reflections, &position, &normal);
+            let reflected = gather.radiance(reflections, &normal);
             radiance.iter_mut().zip(reflected).for_each(|(sum, value)| *sum += value);
         }
         for (channel, values) in radiance.into_iter().enumerate() {
@@ -56,30 +56,15 @@ pub(super) fn shade<const N: usize>(prepared: &Prepared, receivers: Receivers<'_
     }
 }
 
-/// exp(Σ log B) [Guerrero2007, eq. 4.7].
+/// Σ log B [Guerrero2007, eq. 4.7].
 #[inline(never)]
-fn exponentiated<const N: usize>(
-    prepared: &Prepared,
-    exponential: &BatchExponential,
-    position: &[f32x8; 3],
-    normal: &[f32x8; 3],
-) -> ShBatch<N> {
-    exponential.evaluate(&log_sum::<N>(prepared, &prepared.table, position, normal))
-}
-
-#[inline(never)]
-fn log_sum<const N: usize>(
-    prepared: &Prepared,
-    table: &BlockerTable,
-    position: &[f32x8; 3],
-    normal: &[f32x8; 3],
-) -> ShBatch<N> {
+fn log_sum<const N: usize>(prepared: &Prepared, position: &[f32x8; 3], normal: &[f32x8; 3]) -> ShBatch<N> {
     let mut sum = [f32x8::ZERO; N];
     for blocker in &prepared.blockers.spheres {
         // A sphere that no lane sees adds 0 to all of them: leaving it out changes no bit.
         if let Some(seen) = blocker.seen_from(position, normal, prepared.rule) {
             let share = f32x8::splat(blocker.share);
-            let scale = table.lookup::<N>(seen.sin_squared).map(|value| value * share);
+            let scale = prepared.table.lookup::<N>(seen.sin_squared).map(|value| value * share);
             kernel::accumulate_lobe(seen.direction, &scale, &mut sum);
         }
     }

@@ -15,7 +15,7 @@
 
 use super::Reflections;
 use crate::sh_exp::{Prepared, blockers::Blocker};
-use halfshade_sh::kernel::{self, LANES, ShBatch};
+use halfshade_sh::kernel::{self, BatchExponential, LANES, ShBatch};
 use wide::f32x8;
 
 /// In which order spheres cover each other.
@@ -60,18 +60,21 @@ struct Entry<const N: usize> {
 
 /// Memory for one batch of receivers.
 pub(in crate::sh_exp) struct Gather<const N: usize> {
+    /// The spheres that any of the eight receivers sees.
     entries: Vec<Entry<N>>,
-    /// Place of each sphere in `entries`, or `u32::MAX`.
+    /// Place of each sphere in `entries`, or [`UNSEEN`].
     places: Vec<u32>,
-    /// Per lane the entries from near to far.
+    /// Per lane all spheres from near to far: those not seen stand where they stood when they were.
     order: [Vec<u32>; LANES],
-    /// The same in the making: (key as a sortable number, entry).
+    /// The order in the making: (key as a sortable number, sphere).
     keys: Vec<u64>,
-    /// Logarithms lane by lane: rows of eight coefficients per entry, part and lane.
+    /// Logarithms lane by lane: rows of eight coefficients per lane, entry and part.
     by_lane: Vec<f32x8>,
     /// S_i, in the same layout.
     nearer: Vec<f32x8>,
 }
+
+const UNSEEN: u32 = u32::MAX;
 
 impl<const N: usize> Gather<N> {
     /// Rows of eight that hold N coefficients.
@@ -80,67 +83,39 @@ impl<const N: usize> Gather<N> {
     pub(in crate::sh_exp) fn new(spheres: usize) -> Self {
         Self {
             entries: Vec::with_capacity(spheres),
-            places: vec![u32::MAX; spheres],
-            order: std::array::from_fn(|_| Vec::with_capacity(spheres)),
+            places: vec![UNSEEN; spheres],
+            order: std::array::from_fn(|_| (0..spheres as u32).collect()),
             keys: Vec::with_capacity(spheres),
             by_lane: vec![f32x8::ZERO; spheres * Self::PARTS * LANES],
             nearer: vec![f32x8::ZERO; spheres * Self::PARTS * LANES],
         }
     }
 
-    /// Outgoing radiance of white receivers, by channel.
+    /// Looks at every sphere; returns Σ log B_i, what the shadows need.
     #[inline(never)]
-    pub(in crate::sh_exp) fn radiance(
+    pub(in crate::sh_exp) fn see(
         &mut self,
         prepared: &Prepared,
         reflections: &Reflections,
         position: &[f32x8; 3],
         normal: &[f32x8; 3],
-    ) -> [f32x8; 3] {
-        self.see(prepared, reflections, position, normal);
-        let mut brdf = kernel::basis::<f32x8, N>(*normal);
-        brdf.iter_mut().enumerate().for_each(|(i, value)| *value *= f32x8::splat(reflections.cosine[i.isqrt()]));
-        let exponential_dot = |sum: &ShBatch<N>| dot(&reflections.exponential.evaluate(sum), &brdf);
-        if reflections.walk == Walk::Linear {
-            self.walk();
-            if reflections.intersections == Intersections::Ordered {
-                return self.handed_on(brdf[0] * f32x8::splat(kernel::FULL), exponential_dot);
-            }
-        }
-        let mut radiance = [f32x8::ZERO; 3];
-        for (place, entry) in self.entries.iter().enumerate().filter(|(_, entry)| entry.shines) {
-            let before = match reflections.walk {
-                Walk::Linear => self.running_sum(place, reflections.skipped(entry.sphere)),
-                Walk::Quadratic => self.sum_of_nearer(place, reflections),
-            };
-            let mut after = before;
-            after.iter_mut().zip(&entry.log).for_each(|(sum, log)| *sum += *log);
-            let visible = exponential_dot(&before) - exponential_dot(&after);
-            radiance.iter_mut().zip(entry.radiance).for_each(|(sum, l)| *sum = l.mul_add(visible, *sum));
-        }
-        radiance
-    }
-
-    /// Looks at every sphere.
-    #[inline(always)]
-    fn see(&mut self, prepared: &Prepared, reflections: &Reflections, position: &[f32x8; 3], normal: &[f32x8; 3]) {
+    ) -> ShBatch<N> {
         self.entries.clear();
-        self.places.fill(u32::MAX);
+        self.places.fill(UNSEEN);
+        let mut log_sum = [f32x8::ZERO; N];
         for (number, blocker) in prepared.blockers.spheres.iter().enumerate() {
             let Some(seen) = blocker.seen_from(position, normal, prepared.rule) else { continue };
             let basis = kernel::basis::<f32x8, N>(seen.direction);
-            let scale = reflections.table.lookup::<N>(seen.sin_squared);
-            let mut log = basis;
-            log.iter_mut().enumerate().for_each(|(i, value)| *value *= scale[i.isqrt()]);
+            let share = f32x8::splat(blocker.share);
+            let scale = reflections.table.lookup::<N>(seen.sin_squared).map(|value| value * share);
+            let log = times_bands(&basis, &scale);
+            log_sum.iter_mut().zip(&log).for_each(|(sum, log)| *sum += *log);
             let vectors = reflections.emitters.of(number);
             let radiance = vectors.map_or([f32x8::ZERO; 3], |vectors| {
-                let form = reflections.form.lookup(seen.sin_squared.sqrt());
-                let mut weights = basis;
-                for (i, weight) in weights.iter_mut().enumerate() {
-                    let l = i.isqrt();
-                    // From the sphere to the receiver: the opposite direction turns the sign of odd bands.
-                    *weight *= if l % 2 == 0 { form[l] } else { -form[l] };
-                }
+                let mut form = reflections.form.lookup(seen.sin_squared.sqrt());
+                // From the sphere to the receiver: the opposite direction turns the sign of odd bands.
+                form.iter_mut().skip(1).step_by(2).for_each(|f| *f = -*f);
+                let weights = times_bands(&basis, &form);
                 match vectors.as_chunks::<N>().0 {
                     [grey] => [dot_with(&weights, grey); 3],
                     channels => std::array::from_fn(|c| dot_with(&weights, &channels[c])),
@@ -155,13 +130,37 @@ impl<const N: usize> Gather<N> {
                 shines: vectors.is_some(),
             });
         }
+        log_sum
+    }
+
+    /// Outgoing radiance of white receivers, by channel, after [`Self::see`].
+    #[inline(never)]
+    pub(in crate::sh_exp) fn radiance(&mut self, reflections: &Reflections, normal: &[f32x8; 3]) -> [f32x8; 3] {
+        let brdf = times_bands(&kernel::basis::<f32x8, N>(*normal), &reflections.cosine);
+        if reflections.walk == Walk::Linear {
+            self.walk();
+            if reflections.intersections == Intersections::Ordered {
+                return self.handed_on(&reflections.exponential, &brdf);
+            }
+        }
+        let mut radiance = [f32x8::ZERO; 3];
+        for (place, entry) in self.entries.iter().enumerate().filter(|(_, entry)| entry.shines) {
+            let before = match reflections.walk {
+                Walk::Linear => self.running_sum(place, reflections.skipped(entry.sphere)),
+                Walk::Quadratic => self.sum_of_nearer(place, reflections),
+            };
+            let after = plus(&before, &entry.log);
+            let exponential = &reflections.exponential;
+            let visible = exponential.evaluate_dot(&before, &brdf) - exponential.evaluate_dot(&after, &brdf);
+            radiance.iter_mut().zip(entry.radiance).for_each(|(sum, l)| *sum = l.mul_add(visible, *sum));
+        }
+        radiance
     }
 
     /// S_i of an entry, sphere by sphere.
     fn sum_of_nearer(&self, place: usize, reflections: &Reflections) -> ShBatch<N> {
-        let entry = &self.entries[place];
         let mut sum = [f32x8::ZERO; N];
-        let skipped = reflections.skipped(entry.sphere);
+        let skipped = reflections.skipped(self.entries[place].sphere);
         for (other, nearer) in self.entries.iter().enumerate() {
             if other != place && !skipped.contains(&nearer.sphere) {
                 self.add_if_nearer(other, place, f32x8::ONE, &mut sum);
@@ -182,93 +181,134 @@ impl<const N: usize> Gather<N> {
         }
     }
 
-    /// Σ L̃_i Ṽ_i where every sphere finds what the nearer ones leave, at first `all` that is reflected: one exponential per
-    /// sphere.
-    fn handed_on(&self, all: f32x8, exponential_dot: impl Fn(&ShBatch<N>) -> f32x8) -> [f32x8; 3] {
-        let left: Vec<[f32; LANES]> = (self.entries.iter().enumerate())
-            .map(|(place, entry)| {
-                let mut after = self.running_sum(place, &[]);
-                after.iter_mut().zip(&entry.log).for_each(|(sum, log)| *sum += *log);
-                exponential_dot(&after).to_array()
-            })
-            .collect();
-        let mut radiance = [[0.0f32; LANES]; 3];
-        for (lane, order) in self.order.iter().enumerate() {
-            let mut found = all.as_array()[lane];
-            for &place in order {
-                let (entry, leaves) = (&self.entries[place as usize], left[place as usize][lane]);
-                for (sum, l) in radiance.iter_mut().zip(&entry.radiance) {
-                    sum[lane] = l.as_array()[lane].mul_add(found - leaves, sum[lane]);
-                }
-                found = leaves;
-            }
-        }
-        radiance.map(f32x8::from)
-    }
-
     /// Running sums of all lanes, each in its own order.
     fn walk(&mut self) {
+        let count = self.entries.len();
         for (place, entry) in self.entries.iter().enumerate() {
             for part in 0..Self::PARTS {
                 let rows = f32x8::transpose(std::array::from_fn(|k| {
                     entry.log.get(part * LANES + k).copied().unwrap_or_default()
                 }));
-                self.by_lane[(place * Self::PARTS + part) * LANES..][..LANES].copy_from_slice(&rows);
+                for (lane, row) in rows.into_iter().enumerate() {
+                    self.by_lane[(lane * count + place) * Self::PARTS + part] = row;
+                }
             }
         }
         for lane in 0..LANES {
-            self.keys.clear();
-            self.keys.extend(
-                self.entries
-                    .iter()
-                    .enumerate()
-                    .map(|(place, entry)| u64::from(sortable(entry.key.as_array()[lane])) << 32 | place as u64),
-            );
-            self.keys.sort_unstable();
-            self.order[lane].clear();
-            self.order[lane].extend(self.keys.iter().map(|&key| key as u32));
+            self.sort(lane);
+            let lane_rows = lane * count * Self::PARTS..(lane + 1) * count * Self::PARTS;
+            let (logs, nearer) = (&self.by_lane[lane_rows.clone()], &mut self.nearer[lane_rows]);
             let mut sums = [f32x8::ZERO; kernel::MAX_BANDS];
-            for &place in &self.order[lane] {
-                let place = place as usize;
-                for (part, sum) in sums.iter_mut().enumerate().take(Self::PARTS) {
-                    let row = (place * Self::PARTS + part) * LANES + lane;
-                    self.nearer[row] = *sum;
-                    *sum += self.by_lane[row];
+            for &sphere in &self.order[lane] {
+                let place = self.places[sphere as usize];
+                if place == UNSEEN {
+                    continue;
+                }
+                let rows = place as usize * Self::PARTS..(place as usize + 1) * Self::PARTS;
+                for ((sum, log), nearer) in sums.iter_mut().zip(&logs[rows.clone()]).zip(&mut nearer[rows]) {
+                    *nearer = *sum;
+                    *sum += *log;
                 }
             }
         }
     }
 
+    /// Sorts a lane's order, by insertion: the receivers of the batch before had nearly the same.
+    fn sort(&mut self, lane: usize) {
+        self.keys.clear();
+        let order = &mut self.order[lane];
+        for &sphere in order.iter() {
+            let place = self.places[sphere as usize];
+            if place != UNSEEN {
+                let key = self.entries[place as usize].key.as_array()[lane];
+                self.keys.push(u64::from(sortable(key)) << 32 | u64::from(sphere));
+            }
+        }
+        for end in 1..self.keys.len() {
+            let key = self.keys[end];
+            let mut hole = end;
+            while hole > 0 && self.keys[hole - 1] > key {
+                self.keys[hole] = self.keys[hole - 1];
+                hole -= 1;
+            }
+            self.keys[hole] = key;
+        }
+        let mut sorted = self.keys.iter();
+        for sphere in order.iter_mut().filter(|sphere| self.places[**sphere as usize] != UNSEEN) {
+            if let Some(&key) = sorted.next() {
+                *sphere = key as u32;
+            }
+        }
+    }
+
     /// S_i of an entry from the running sums, without the spheres `skipped`.
+    #[inline(always)]
     fn running_sum(&self, place: usize, skipped: &[u32]) -> ShBatch<N> {
         let mut sum = [f32x8::ZERO; N];
+        let count = self.entries.len();
         for (part, values) in sum.chunks_mut(LANES).enumerate() {
-            let rows: &[f32x8] = &self.nearer[(place * Self::PARTS + part) * LANES..][..LANES];
-            let columns = f32x8::transpose(std::array::from_fn(|lane| rows[lane]));
+            let columns =
+                f32x8::transpose(std::array::from_fn(|lane| self.nearer[(lane * count + place) * Self::PARTS + part]));
             values.copy_from_slice(&columns[..values.len()]);
         }
         for &neighbour in skipped {
             let other = self.places[neighbour as usize];
-            if other != u32::MAX {
+            if other != UNSEEN {
                 self.add_if_nearer(other as usize, place, -f32x8::ONE, &mut sum);
             }
         }
         sum
     }
+
+    /// Σ L̃_i Ṽ_i where every sphere finds what the nearer ones leave: one exponential per sphere.
+    fn handed_on(&mut self, exponential: &BatchExponential, brdf: &ShBatch<N>) -> [f32x8; 3] {
+        // What is left after each entry takes the place of its key, which has done its work.
+        for place in 0..self.entries.len() {
+            let after = plus(&self.running_sum(place, &[]), &self.entries[place].log);
+            self.entries[place].key = exponential.evaluate_dot(&after, brdf);
+        }
+        let all = brdf[0] * f32x8::splat(kernel::FULL);
+        let mut radiance = [[0.0f32; LANES]; 3];
+        for (lane, order) in self.order.iter().enumerate() {
+            let mut found = all.as_array()[lane];
+            for place in order.iter().map(|&sphere| self.places[sphere as usize]).filter(|&place| place != UNSEEN) {
+                let entry = &self.entries[place as usize];
+                let left = entry.key.as_array()[lane];
+                for (sum, l) in radiance.iter_mut().zip(&entry.radiance) {
+                    sum[lane] = l.as_array()[lane].mul_add(found - left, sum[lane]);
+                }
+                found = left;
+            }
+        }
+        radiance.map(f32x8::from)
+    }
 }
 
-fn dot<const N: usize>(a: &ShBatch<N>, b: &ShBatch<N>) -> f32x8 {
-    a.iter().zip(b).fold(f32x8::ZERO, |sum, (a, b)| a.mul_add(*b, sum))
+/// Each band of a vector times that band's factor.
+#[inline(always)]
+fn times_bands<const N: usize, F: Copy + Into<f32x8>>(vector: &ShBatch<N>, factors: &[F]) -> ShBatch<N> {
+    let mut product = *vector;
+    for l in 0..const { N.isqrt() } {
+        let factor: f32x8 = factors[l].into();
+        product[l * l..(l + 1) * (l + 1)].iter_mut().for_each(|value| *value *= factor);
+    }
+    product
+}
+
+fn plus<const N: usize>(a: &ShBatch<N>, b: &ShBatch<N>) -> ShBatch<N> {
+    let mut sum = *a;
+    sum.iter_mut().zip(b).for_each(|(sum, b)| *sum += *b);
+    sum
+}
+
+fn dot_with<const N: usize>(a: &ShBatch<N>, b: &[f32; N]) -> f32x8 {
+    a.iter().zip(b).fold(f32x8::ZERO, |sum, (a, &b)| a.mul_add(f32x8::splat(b), sum))
 }
 
 /// Bits that sort as numbers do, -0 before 0.
 fn sortable(x: f32) -> u32 {
     let bits = x.to_bits();
     if x.is_sign_negative() { !bits } else { bits | 1 << 31 }
-}
-
-fn dot_with<const N: usize>(a: &ShBatch<N>, b: &[f32; N]) -> f32x8 {
-    a.iter().zip(b).fold(f32x8::ZERO, |sum, (a, &b)| a.mul_add(f32x8::splat(b), sum))
 }
 
 fn order_key(blocker: &Blocker, position: &[f32x8; 3], order: Order) -> f32x8 {
