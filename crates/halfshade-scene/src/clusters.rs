@@ -42,12 +42,34 @@ pub fn cluster(positions: &[Vec3], count: usize, seed: u64) -> Clusters {
         return Clusters::default();
     }
     let points: Vec<DVec3> = positions.iter().map(|p| p.as_dvec3()).collect();
-    let count = count.clamp(1, points.len());
-    let mut centers = spread_centers(&points, count, seed);
+    let around = |members: &[u32]| {
+        let points: Vec<DVec3> = members.iter().map(|&k| points[k as usize]).collect();
+        bounding_sphere(&points)
+    };
+    let (assignment, centers) = lloyd(&points, count.clamp(1, points.len()), seed, around);
+    let mut bounds: Vec<Sphere> =
+        centers.iter().map(|center| Sphere { center: center.as_vec3(), radius: 0.0 }).collect();
+    for (point, &own) in points.iter().zip(&assignment) {
+        let bound = &mut bounds[own as usize];
+        bound.radius = bound.radius.max(at_least(point.distance(bound.center.as_dvec3())));
+    }
+    Clusters { assignment, bounds }
+}
+
+/// Lloyd's iteration on `points` (at least one) about `count` centres (1 ..= the number of points): the cluster of each
+/// point, none empty, and the centres of the last assignment's bounding spheres. `bound` gives the centre and radius
+/// of the smallest sphere around the points with the given indices, or around what they stand for.
+pub(crate) fn lloyd(
+    points: &[DVec3],
+    count: usize,
+    seed: u64,
+    bound: impl Fn(&[u32]) -> (DVec3, f64) + Sync,
+) -> (Vec<u32>, Vec<DVec3>) {
+    let mut centers = spread_centers(points, count, seed);
     let (mut best, mut best_sum, mut without_improvement) = (None, f64::INFINITY, 0);
     for _ in 0..MAX_ROUNDS {
-        let assignment = assign(&points, &centers);
-        let balls = smallest_balls(&points, &assignment, count);
+        let assignment = assign(points, &centers);
+        let balls: Vec<(DVec3, f64)> = members(&assignment, count).par_iter().map(|own| bound(own)).collect();
         centers = balls.iter().map(|ball| ball.0).collect();
         let sum: f64 = balls.iter().map(|ball| ball.1).sum();
         without_improvement = if sum < best_sum * (1.0 - LEAST_IMPROVEMENT) { 0 } else { without_improvement + 1 };
@@ -58,25 +80,27 @@ pub fn cluster(positions: &[Vec3], count: usize, seed: u64) -> Clusters {
             break;
         }
     }
-    let (assignment, centers) = best.unwrap_or_else(|| (vec![0; points.len()], centers));
-    let mut bounds: Vec<Sphere> =
-        centers.iter().map(|center| Sphere { center: center.as_vec3(), radius: 0.0 }).collect();
-    for (point, &own) in points.iter().zip(&assignment) {
-        let bound = &mut bounds[own as usize];
-        bound.radius = bound.radius.max(at_least(point.distance(bound.center.as_dvec3())));
+    best.unwrap_or_else(|| (vec![0; points.len()], centers))
+}
+
+/// The points of each cluster.
+pub(crate) fn members(assignment: &[u32], count: usize) -> Vec<Vec<u32>> {
+    let mut members = vec![Vec::new(); count];
+    for (k, &own) in assignment.iter().enumerate() {
+        members[own as usize].push(k as u32);
     }
-    Clusters { assignment, bounds }
+    members
 }
 
 /// The smallest `f32` that is not below `x`.
-fn at_least(x: f64) -> f32 {
+pub(crate) fn at_least(x: f64) -> f32 {
     let rounded = x as f32;
     if f64::from(rounded) < x { rounded.next_up() } else { rounded }
 }
 
 /// Points chosen at random, each with probability in proportion to the squared distance from those chosen before: like
 /// the thesis's random points, but never two in one place while there are others.
-fn spread_centers(points: &[DVec3], count: usize, seed: u64) -> Vec<DVec3> {
+pub(crate) fn spread_centers(points: &[DVec3], count: usize, seed: u64) -> Vec<DVec3> {
     let mut random = Pcg64Mcg::seed_from_u64(seed);
     let mut centers = vec![points[random.random_range(0..points.len())]];
     let mut nearest_squared = vec![f64::INFINITY; points.len()];
@@ -99,7 +123,7 @@ fn spread_centers(points: &[DVec3], count: usize, seed: u64) -> Vec<DVec3> {
 
 /// The nearest centre of each point, the first of equals; a centre that is nobody's takes the point that lies farthest
 /// from its own centre among those that are not alone.
-fn assign(points: &[DVec3], centers: &[DVec3]) -> Vec<u32> {
+pub(crate) fn assign(points: &[DVec3], centers: &[DVec3]) -> Vec<u32> {
     let nearest: Vec<(u32, f64)> = points
         .par_iter()
         .map(|point| {
@@ -126,14 +150,6 @@ fn assign(points: &[DVec3], centers: &[DVec3]) -> Vec<u32> {
         distance[farthest] = 0.0;
     }
     assignment
-}
-
-fn smallest_balls(points: &[DVec3], assignment: &[u32], count: usize) -> Vec<(DVec3, f64)> {
-    let mut members = vec![Vec::new(); count];
-    for (point, &own) in points.iter().zip(assignment) {
-        members[own as usize].push(*point);
-    }
-    members.par_iter().map(|points| bounding_sphere(points)).collect()
 }
 
 #[cfg(test)]
@@ -208,7 +224,11 @@ mod tests {
         let mut centers = spread_centers(&points, 12, 3);
         let mut before = f64::INFINITY;
         for _ in 0..15 {
-            let balls = smallest_balls(&points, &assign(&points, &centers), 12);
+            let balls = members(&assign(&points, &centers), 12).into_iter().map(|own| {
+                let own: Vec<DVec3> = own.iter().map(|&k| points[k as usize]).collect();
+                bounding_sphere(&own)
+            });
+            let balls: Vec<(DVec3, f64)> = balls.collect();
             let now = balls.iter().map(|b| b.1).fold(0.0, f64::max);
             assert!(now <= before * (1.0 + 1e-12), "{now} after {before}");
             centers = balls.iter().map(|b| b.0).collect();

@@ -7,6 +7,7 @@ use super::solid::Solid;
 use super::variational::Target;
 use super::{Ball, Sphere, SphereSet};
 use crate::cache::CacheKey;
+use crate::clusters::at_least;
 use crate::{Cache, CacheOutcome, Mesh, Progress, Scene, SceneError};
 use glam::DVec3;
 use rand::SeedableRng;
@@ -293,11 +294,11 @@ impl Normalized {
             .filter(|ball| ball.radius > 0.0)
             .map(|ball| Ball {
                 center: (ball.center * self.extent + self.middle).as_vec3().as_dvec3(),
-                radius: round_up(ball.radius * self.extent),
+                radius: f64::from(at_least(ball.radius * self.extent)),
             })
             .collect();
         let tolerance = COVER_TOLERANCE * self.extent;
-        let growth = grow_to_cover(&triangles, &mut balls, tolerance, round_up);
+        let growth = grow_to_cover(&triangles, &mut balls, tolerance, |radius| f64::from(at_least(radius)));
         SphereSet {
             bounding_violation: violation(&triangles, &balls, tolerance),
             growth: growth / (self.extent() * self.extent),
@@ -308,12 +309,6 @@ impl Normalized {
             ..SphereSet::default()
         }
     }
-}
-
-/// The smallest single-precision number that is at least `x`.
-fn round_up(x: f64) -> f64 {
-    let rounded = x as f32;
-    f64::from(if f64::from(rounded) < x { rounded.next_up() } else { rounded })
 }
 
 #[cfg(test)]

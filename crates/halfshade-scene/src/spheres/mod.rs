@@ -1,11 +1,12 @@
 //! Sphere sets: the geometry that blocks, in place of a mesh ([Guerrero2007, 4.1], \[Wang2006\]).
 //!
-//! [`SphereSet::build`] fits the leaf spheres. Parent spheres of [Guerrero2007, 4.1] are sets over a leaf set's spheres
-//! instead of a mesh; they will be further levels beside [`SphereSet::spheres`], which stays the leaf level.
+//! [`SphereSet::build`] fits the leaf spheres to a mesh, [`SphereHierarchy::new`] builds parent spheres over them.
 
 mod adjust;
 mod build;
 mod cover;
+mod enclosing;
+mod hierarchy;
 mod overlap;
 mod points;
 mod polish;
@@ -14,6 +15,7 @@ mod variational;
 
 pub use adjust::{AdjustRule, AdjustedSphere, FADE_HEIGHT, adjust, adjusted};
 pub use build::BuildOptions;
+pub use hierarchy::{HierarchyLevel, SphereHierarchy};
 pub use overlap::overlap_shares;
 
 use glam::{DVec3, Vec3};
