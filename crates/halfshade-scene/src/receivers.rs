@@ -111,6 +111,19 @@ impl ReceiverBuffer {
         }
     }
 
+    /// The receivers at `places` of a batch, in that order.
+    pub fn gathered(receivers: Receivers<'_>, places: &[u32]) -> Self {
+        let of = |values: &[f32]| places.iter().map(|&place| values[place as usize]).collect();
+        let whole = |values: &[u32]| places.iter().map(|&place| values[place as usize]).collect();
+        Self {
+            position: receivers.position.map(of),
+            normal: receivers.normal.map(of),
+            albedo: receivers.albedo.map(of),
+            object: whole(receivers.object),
+            index: whole(receivers.index),
+        }
+    }
+
     /// Removes all receivers and keeps the memory.
     pub fn clear(&mut self) {
         self.position.iter_mut().chain(&mut self.normal).chain(&mut self.albedo).for_each(Vec::clear);

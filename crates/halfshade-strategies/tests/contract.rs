@@ -29,13 +29,27 @@ contract_tests!(
 /// Ringing of four bands under a sun: a blocker beside the sun may brighten its ray.
 const RINGING: Bounds = Bounds { constant: 1e-5, quadrature: 0.01, rotation: 0.005, brightening: 0.2 };
 
-contract_tests!(sh_exp_hybrid, ShExp, "exp=hybrid", RINGING);
-contract_tests!(sh_exp_product, ShExp, "exp=product", RINGING);
-contract_tests!(sh_exp_series, ShExp, "exp=series", RINGING);
-contract_tests!(sh_exp_bare_series, ShExp, "exp=series,scaling=off", Bounds { brightening: 2.0, ..RINGING });
-contract_tests!(sh_exp_quadratic, ShExp, "exp=quadratic", RINGING);
-contract_tests!(sh_exp_shares, ShExp, "exp=shares", RINGING);
-contract_tests!(sh_exp_shares_one_point, ShExp, "exp=shares,points=1,bands=3", RINGING);
-contract_tests!(sh_exp_optimal_linear, ShExp, "exp=optimal-linear", RINGING);
-contract_tests!(sh_exp_six_bands, ShExp, "exp=hybrid,bands=6,normals=16", RINGING);
-contract_tests!(sh_exp_clamped, ShExp, "exp=hybrid,clamp=on,rule=published,window=hann", RINGING);
+contract_tests!(sh_exp_hybrid, ShExp, "bounces=0,exp=hybrid", RINGING);
+contract_tests!(sh_exp_product, ShExp, "bounces=0,exp=product", RINGING);
+contract_tests!(sh_exp_series, ShExp, "bounces=0,exp=series", RINGING);
+contract_tests!(sh_exp_bare_series, ShExp, "bounces=0,exp=series,scaling=off", Bounds { brightening: 2.0, ..RINGING });
+contract_tests!(sh_exp_quadratic, ShExp, "bounces=0,exp=quadratic", RINGING);
+contract_tests!(sh_exp_shares, ShExp, "bounces=0,exp=shares", RINGING);
+contract_tests!(sh_exp_shares_one_point, ShExp, "bounces=0,exp=shares,points=1,bands=3", RINGING);
+contract_tests!(sh_exp_optimal_linear, ShExp, "bounces=0,exp=optimal-linear", RINGING);
+contract_tests!(sh_exp_six_bands, ShExp, "bounces=0,exp=hybrid,bands=6,normals=16", RINGING);
+contract_tests!(sh_exp_clamped, ShExp, "bounces=0,exp=hybrid,clamp=on,rule=published,window=hann", RINGING);
+contract_tests!(sh_exp_tree, ShExp, "bounces=0,levels=tree", RINGING);
+contract_tests!(sh_exp_reflections, ShExp, "", RINGING);
+contract_tests!(
+    sh_exp_reflections_as_published,
+    ShExp,
+    "walk=quadratic,projection=product,form-factor=cosine,levels=cluster,bands=3",
+    RINGING
+);
+contract_tests!(
+    sh_exp_reflections_ordered,
+    ShExp,
+    "intersections=ordered,order=power,reflection-exp=optimal-linear",
+    RINGING
+);

@@ -1,106 +1,18 @@
 //! The spheres that block, and what eight receivers at once see of each ([Guerrero2007, 4.2]).
 
-use glam::{DMat3, DVec3};
-use halfshade_scene::{
-    Frame, Scene, SphereSet,
-    spheres::{AdjustRule, FADE_HEIGHT, overlap_shares},
-};
-use halfshade_strategy::StrategyError;
-use std::sync::Arc;
+use halfshade_scene::spheres::{AdjustRule, FADE_HEIGHT};
+use halfshade_sh::kernel::MAX_BANDS;
 use wide::f32x8;
-
-/// All spheres of a frame, in the space of the light: turned like the environment, so that its tables hold for every
-/// turn, and about a centre within the scene, so that single precision is spent on the scene alone.
-#[derive(Debug, Clone)]
-pub(super) struct Blockers {
-    pub(super) spheres: Vec<Blocker>,
-    /// Light space from world space: `rotation · (point - center)`.
-    pub(super) rotation: DMat3,
-    pub(super) center: DVec3,
-}
 
 /// One sphere in light space.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Blocker {
     pub(super) center: [f32; 3],
     pub(super) radius: f32,
-    /// How much of its logarithm counts, see [`Overlap`].
-    pub(super) share: f32,
-}
-
-/// What to do about spheres of one object that cover each other.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Overlap {
-    /// Each counts in full [Guerrero2007, eq. 4.7]: a direction behind k spheres is blocked k times.
-    Independent,
-    /// Each counts by the share of its silhouette that is its own, see [`overlap_shares`]: about once.
-    Shared,
-}
-
-/// The shares of the spheres of each object, kept from frame to frame.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Shares(Vec<(Arc<SphereSet>, Vec<f32>)>);
-
-impl Shares {
-    fn of(&mut self, set: &Arc<SphereSet>, overlap: Overlap) -> &[f32] {
-        let known = self.0.iter().position(|(other, _)| Arc::ptr_eq(other, set));
-        let place = known.unwrap_or_else(|| {
-            let shares = match overlap {
-                Overlap::Independent => vec![1.0; set.spheres.len()],
-                Overlap::Shared => overlap_shares(&set.spheres),
-            };
-            self.0.push((set.clone(), shares));
-            self.0.len() - 1
-        });
-        &self.0[place].1
-    }
-
-    /// Computes the shares of every object of `scene` ahead of its first frame, and forgets all others.
-    pub(super) fn fill(&mut self, scene: &Scene, overlap: Overlap) {
-        self.0.clear();
-        for set in scene.objects.iter().filter(|object| object.sphere_count > 0).filter_map(|o| o.spheres.as_ref()) {
-            self.of(set, overlap);
-        }
-    }
-}
-
-impl Default for Blockers {
-    fn default() -> Self {
-        Self { spheres: Vec::new(), rotation: DMat3::IDENTITY, center: DVec3::ZERO }
-    }
-}
-
-impl Blockers {
-    pub(super) fn new(frame: &Frame<'_>, shares: &mut Shares, overlap: Overlap) -> Result<Self, StrategyError> {
-        let mut spheres = Vec::new();
-        for (object, pose) in frame.scene.objects.iter().zip(&frame.world_from_object) {
-            if object.sphere_count == 0 {
-                continue;
-            }
-            let set = object.spheres.as_ref().ok_or_else(|| {
-                StrategyError::Failed(format!("object `{}` blocks but its sphere set is not built", object.name))
-            })?;
-            let rotation = pose.rotation.as_dquat();
-            spheres.extend(set.spheres.iter().zip(shares.of(set, overlap)).map(|(sphere, &share)| {
-                let center = rotation * (f64::from(pose.scale) * sphere.center.as_dvec3());
-                (center + pose.translation.as_dvec3(), pose.scale * sphere.radius, share)
-            }));
-        }
-        let center = spheres.iter().map(|(center, ..)| *center).sum::<DVec3>() / f64::from(spheres.len().max(1) as u32);
-        let rotation = DMat3::from_quat(frame.world_from_environment.as_dquat().normalize().conjugate());
-        let spheres = spheres
-            .into_iter()
-            .map(|(place, radius, share)| {
-                let center = (rotation * (place - center)).as_vec3().to_array();
-                Blocker { center, radius, share }
-            })
-            .collect();
-        Ok(Self { spheres, rotation, center })
-    }
-
-    pub(super) fn bytes(&self) -> usize {
-        size_of_val(self.spheres.as_slice())
-    }
+    /// How much of each band of its logarithm counts: shares of overlapping spheres, ratios of parents to children.
+    pub(super) factors: [f32; MAX_BANDS],
+    /// Its number among the spheres of all levels.
+    pub(super) emitter: u32,
 }
 
 /// What eight receivers see of one sphere after the rules of [`halfshade_scene::spheres::adjust`], of which this is the
@@ -113,6 +25,14 @@ pub(super) struct Seen {
 }
 
 impl Blocker {
+    /// `zonal` times this sphere's factors.
+    #[inline(always)]
+    pub(super) fn times_factors(&self, zonal: [f32x8; MAX_BANDS]) -> [f32x8; MAX_BANDS] {
+        let mut scaled = zonal;
+        scaled.iter_mut().zip(self.factors).for_each(|(value, factor)| *value *= f32x8::splat(factor));
+        scaled
+    }
+
     /// What receivers at `position` with unit `normal` see, or `None` if none of the eight sees anything, in which case
     /// every lane's `sin_squared` would be 0.
     ///
@@ -155,6 +75,7 @@ impl Blocker {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::DVec3;
     use halfshade_scene::spheres::adjust;
 
     #[test]
@@ -174,7 +95,7 @@ mod tests {
             });
             let normal: [f32x8; 3] =
                 std::array::from_fn(|axis| f32x8::from(std::array::from_fn::<f32, 8, _>(|i| normals[i][axis] as f32)));
-            let blocker = Blocker { center, radius, share: 1.0 };
+            let blocker = Blocker { center, radius, factors: [1.0; MAX_BANDS], emitter: 0 };
             for rule in [AdjustRule::Continuous, AdjustRule::Published] {
                 let seen = blocker.seen_from(&positions.map(f32x8::from), &normal, rule);
                 for (lane, lane_normal) in normals.iter().enumerate() {
@@ -204,7 +125,7 @@ mod tests {
     #[test]
     fn defined_at_the_centre_on_the_surface_and_next_to_it() {
         for radius in [1e-3f32, 1.0, 1e3] {
-            let blocker = Blocker { center: [0.0; 3], radius, share: 1.0 };
+            let blocker = Blocker { center: [0.0; 3], radius, factors: [1.0; MAX_BANDS], emitter: 0 };
             for distance in [0.0, 1e-7, 1.0 - 1e-7, 1.0, 1.0 + 1e-7] {
                 for sign in [-1.0, 1.0] {
                     let position = [f32x8::ZERO, f32x8::splat(radius * distance * sign), f32x8::ZERO];

@@ -1,7 +1,7 @@
 //! `exp=shares`: visibility as one minus what each sphere alone covers, in place of products and exponentials.
 
 use super::Prepared;
-use super::blockers::Seen;
+use super::blockers::{Blocker, Seen};
 use halfshade_sh::kernel::{self, CapBatch, ExposedShares, ShBatch};
 use wide::f32x8;
 
@@ -23,12 +23,12 @@ impl Exposure {
     pub(super) fn visibility<const N: usize>(
         &mut self,
         prepared: &Prepared,
+        blockers: &[Blocker],
         position: &[f32x8; 3],
         normal: &[f32x8; 3],
     ) -> ShBatch<N> {
-        let spheres = prepared.blockers.spheres.iter();
         self.seen.clear();
-        self.seen.extend(spheres.filter_map(|blocker| blocker.seen_from(position, normal, prepared.rule)));
+        self.seen.extend(blockers.iter().filter_map(|blocker| blocker.seen_from(position, normal, prepared.rule)));
         let caps = self.seen.iter().map(|seen| CapBatch {
             direction: seen.direction,
             // 1 - cos θ without cancellation.

@@ -39,15 +39,17 @@
 //! 0.098 at 8); with 8/bands² it falls: 0.026, 0.020, 0.019.
 
 mod blockers;
+mod cuts;
 mod exposed;
+mod levels;
 mod light_product;
 mod reflections;
 mod shade;
 mod sun_product;
 
-use blockers::{Blockers, Overlap, Shares};
+use cuts::{Choice, CutOf, CutSettings, Cuts};
 use halfshade_scene::{
-    Frame, Progress, RadianceBuffer, RadianceMut, Receivers, Scene, light::OctahedralGrid, scene::MAX_BOUNCES,
+    Frame, Progress, RadianceBuffer, RadianceMut, Receivers, Scene, Sphere, light::OctahedralGrid, scene::MAX_BOUNCES,
     spheres::AdjustRule,
 };
 use halfshade_sh::{
@@ -61,6 +63,7 @@ use halfshade_sh::{
 use halfshade_strategy::{
     Baked, Effect, Effects, Footprint, Info, Parameter, ParameterKind, Params, Strategy, StrategyError,
 };
+use levels::{Levels, Overlap};
 use light_product::LightProduct;
 use reflections::Reflections;
 use std::sync::Arc;
@@ -68,6 +71,9 @@ use std::sync::Arc;
 /// The strategy.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct ShExp;
+
+const NO_REFLECTING_TREES: &str =
+    "reflections from a cut through the tree: covering between spheres is baked for spheres of one level";
 
 /// Sample points per unit of parallel work.
 const SAMPLE_POINT_CHUNK: usize = 256;
@@ -126,6 +132,26 @@ impl Strategy for ShExp {
                     "overlap",
                     "spheres of one object that cover each other: count each in full, or by its share of the silhouette",
                     choice(&["independent", "shared"], "independent"),
+                ),
+                parameter(
+                    "levels",
+                    "spheres of the hierarchy: its leaves, per receiver cluster one level of each object, or a cut through the tree",
+                    choice(&["leaves", "cluster", "tree"], "leaves"),
+                ),
+                parameter(
+                    "branching",
+                    "children per parent in the hierarchy",
+                    ParameterKind::Integer { default: 4, min: 2, max: 16 },
+                ),
+                parameter(
+                    "cut-angle",
+                    "largest angular radius, in degrees, of a sphere that stands for finer ones",
+                    ParameterKind::Float { default: 15.0, min: 0.0, max: 90.0 },
+                ),
+                parameter(
+                    "ratios",
+                    "scale coarse spheres to what finer ones give at the cluster's centre",
+                    choice(&["on", "off"], "on"),
                 ),
                 parameter(
                     "bounces",
@@ -226,14 +252,25 @@ impl Strategy for ShExp {
             ),
         };
         let table = build(quantity)?;
+        let choice = match params.choice("levels") {
+            "cluster" => Choice::Level,
+            "tree" => Choice::Tree,
+            _ => Choice::Leaves,
+        };
+        let overlap = if params.choice("overlap") == "shared" { Overlap::Shared } else { Overlap::Independent };
+        let branching = (choice != Choice::Leaves).then(|| params.integer("branching") as usize);
+        let mut levels = Levels::new(scene, overlap, branching);
         let bounces = scene.bounces.min(params.integer("bounces") as usize);
         let reflections = match bounces {
             0 => None,
+            _ if choice == Choice::Tree => {
+                return Err(StrategyError::Unsupported(NO_REFLECTING_TREES.into()));
+            }
             _ => {
                 let limit = params.float("reflection-limit");
                 let exponential = exponential(params.choice("reflection-exp"), limit).ok_or_else(unsupported)?;
                 let table = if quantity == logarithm { table.clone() } else { build(logarithm)? };
-                Some(Reflections::new(scene, params, bounces, exponential, table))
+                Some(Reflections::new(scene, params, bounces, exponential, table, &mut levels))
             }
         };
         progress.advance(1);
@@ -245,9 +282,6 @@ impl Strategy for ShExp {
         let grid = OctahedralGrid::new(params.integer("normals") as usize);
         let light = LightProduct::new(bands, &scene.environment, grid, window);
         progress.advance(1);
-        let overlap = if params.choice("overlap") == "shared" { Overlap::Shared } else { Overlap::Independent };
-        let mut shares = Shares::default();
-        shares.fill(scene, overlap);
         Ok(Box::new(Prepared {
             bands,
             rule: if params.choice("rule") == "published" { AdjustRule::Published } else { AdjustRule::Continuous },
@@ -255,9 +289,15 @@ impl Strategy for ShExp {
             table,
             combination,
             light,
-            overlap,
-            shares,
-            blockers: Blockers::default(),
+            levels,
+            clusters: cuts::clusters(scene, choice),
+            cut_settings: CutSettings {
+                choice,
+                threshold_sine: params.float("cut-angle").to_radians().sin(),
+                ratios: params.choice("ratios") == "on",
+                bands,
+            },
+            cuts: Cuts::default(),
             reflections,
         }))
     }
@@ -293,9 +333,11 @@ struct Prepared {
     table: Arc<BlockerTable>,
     combination: Combination,
     light: LightProduct,
-    overlap: Overlap,
-    shares: Shares,
-    blockers: Blockers,
+    levels: Levels,
+    /// Bounding spheres of receiver clusters, object by object.
+    clusters: Vec<Vec<Sphere>>,
+    cut_settings: CutSettings,
+    cuts: Cuts,
     reflections: Option<Reflections>,
 }
 
@@ -305,7 +347,7 @@ impl Baked for Prepared {
             parts: vec![
                 ("blockers by angular radius", self.table.bytes()),
                 ("light by normal", self.light.bytes()),
-                ("spheres", self.blockers.bytes()),
+                ("spheres", self.cuts.bytes()),
                 ("reflections", self.reflections.as_ref().map_or(0, Reflections::bytes)),
             ],
         }
@@ -316,14 +358,22 @@ impl Baked for Prepared {
             return Err(StrategyError::Unsupported(NO_LOCAL_LIGHTS.into()));
         }
         self.light.set(&frame.scene.environment);
-        self.blockers = Blockers::new(frame, &mut self.shares, self.overlap)?;
+        let logs = match self.combination {
+            Combination::Exponential(_) => Some(&*self.table),
+            Combination::Product | Combination::Shares { .. } => None,
+        };
+        self.cuts = Cuts::new(frame, &mut self.levels, &self.clusters, logs, &self.cut_settings)?;
+        if let Some(reflections) = &self.reflections
+            && !reflections.fits(frame, &mut self.levels)
+        {
+            return Err(StrategyError::Failed("the frame is of another scene than reflections were baked for".into()));
+        }
         self.reflect(frame);
         Ok(())
     }
 
     fn shade(&self, receivers: Receivers<'_>, out: RadianceMut<'_>) {
-        // `bake` made sure that there is a kernel for this number of bands.
-        let _: Option<()> = dispatch_bands!(self.bands, N => shade::shade::<N>(self, receivers, out));
+        self.shade_by(receivers, CutOf::Cluster, out);
     }
 }
 
@@ -333,9 +383,9 @@ impl Prepared {
         let Some(reflections) = &mut self.reflections else { return };
         reflections.begin(frame);
         let (points, bounces) = (std::mem::take(&mut reflections.points), reflections.bounces);
-        let mut light = RadianceBuffer::zeros(points.len());
+        let mut light = RadianceBuffer::zeros(points.receivers.len());
         for _ in 0..bounces {
-            self.shade_in_parallel(points.view(), light.view_mut());
+            self.shade_points(points.receivers.view(), &points.emitters, light.view_mut());
             if let Some(reflections) = &mut self.reflections {
                 reflections.shine(frame, &light);
             }
@@ -345,16 +395,22 @@ impl Prepared {
         }
     }
 
-    fn shade_in_parallel(&self, receivers: Receivers<'_>, out: RadianceMut<'_>) {
+    /// Shades sample points, in parallel.
+    fn shade_points(&self, receivers: Receivers<'_>, emitters: &[u32], out: RadianceMut<'_>) {
         let count = receivers.len();
         if count <= SAMPLE_POINT_CHUNK {
-            return self.shade(receivers, out);
+            return self.shade_by(receivers, CutOf::Emitter(emitters), out);
         }
         let middle = count / 2;
         let (left, right) = out.split_at(middle);
         rayon::join(
-            || self.shade_in_parallel(receivers.slice(0..middle), left),
-            || self.shade_in_parallel(receivers.slice(middle..count), right),
+            || self.shade_points(receivers.slice(0..middle), &emitters[..middle], left),
+            || self.shade_points(receivers.slice(middle..count), &emitters[middle..], right),
         );
+    }
+
+    fn shade_by(&self, receivers: Receivers<'_>, whose: CutOf<'_>, out: RadianceMut<'_>) {
+        // `bake` made sure that there is a kernel for this number of bands.
+        let _: Option<()> = dispatch_bands!(self.bands, N => shade::shade::<N>(self, receivers, whose, out));
     }
 }

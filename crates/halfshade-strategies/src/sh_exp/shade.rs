@@ -1,70 +1,128 @@
 //! The inner loops: eight receivers side by side, one sphere after another.
 
-use super::{Combination, Prepared, exposed::Exposure, reflections::Gather};
-use halfshade_scene::{RadianceMut, Receivers};
+use super::{
+    Combination, Prepared,
+    blockers::Blocker,
+    cuts::CutOf,
+    exposed::Exposure,
+    reflections::{Gather, Reflections},
+};
+use halfshade_scene::{RadianceMut, ReceiverBuffer, Receivers};
 use halfshade_sh::kernel::{self, LANES, ShBatch};
 use wide::f32x8;
 
-/// Shades all receivers. Each lane's result depends on its own receiver alone, so that batches may be split anywhere; the
-/// last group is filled up with copies of its last receiver.
-pub(super) fn shade<const N: usize>(prepared: &Prepared, receivers: Receivers<'_>, out: RadianceMut<'_>) {
-    let count = receivers.len();
-    let center = prepared.blockers.center;
-    let rotation = prepared.blockers.rotation.transpose().to_cols_array().map(|value| f32x8::splat(value as f32));
-    // Row `axis` of the rotation times a vector.
-    let turn = |v: [f32x8; 3]| -> [f32x8; 3] {
-        std::array::from_fn(|axis| {
-            rotation[3 * axis].mul_add(v[0], rotation[3 * axis + 1].mul_add(v[1], rotation[3 * axis + 2] * v[2]))
-        })
+/// Shades all receivers. Each lane's result depends on its own receiver and its cut alone, so that batches may be split
+/// anywhere; the last group of a cut is filled up with copies of its last receiver.
+pub(super) fn shade<const N: usize>(
+    prepared: &Prepared,
+    receivers: Receivers<'_>,
+    whose: CutOf<'_>,
+    mut out: RadianceMut<'_>,
+) {
+    let cuts = &prepared.cuts;
+    let mut batches = Batches::<N>::new(prepared);
+    let Some(cut_of) = cuts.of(receivers, whose) else {
+        return batches.shade(receivers, cuts.cut(0), &mut out, |place| place);
     };
-    let mut exposure = match prepared.combination {
-        Combination::Shares { points } => Exposure::new(points, prepared.blockers.spheres.len()),
-        _ => Exposure::new(1, 0),
-    };
-    let reflections = prepared.reflections.as_ref().filter(|reflections| !reflections.is_dark());
-    let mut gather = reflections.map(|_| Gather::<N>::new(prepared.blockers.spheres.len()));
-    let mut start = 0;
-    while start < count {
-        let lanes = (count - start).min(LANES);
-        let load = |values: &[f32]| -> [f32; LANES] {
-            let values = &values[start..start + lanes];
-            values.first_chunk().copied().unwrap_or_else(|| std::array::from_fn(|i| values[i.min(lanes - 1)]))
-        };
-        let position = turn(std::array::from_fn(|axis| {
-            // In double precision, because a scene may lie far from the origin.
-            f32x8::from(load(receivers.position[axis]).map(|x| (f64::from(x) - center[axis]) as f32))
-        }));
-        let normal = turn(receivers.normal.map(|axis| f32x8::from(load(axis))));
-        let seen = gather.as_mut().zip(reflections).map(|(gather, r)| gather.see(prepared, r, &position, &normal));
-        let visibility = match &prepared.combination {
-            Combination::Exponential(exponential) => {
-                exponential.evaluate(&seen.unwrap_or_else(|| log_sum::<N>(prepared, &position, &normal)))
+    let mut order: Vec<u32> = (0..receivers.len() as u32).collect();
+    order.sort_by_key(|&i| cut_of[i as usize]);
+    for run in order.chunk_by(|&a, &b| cut_of[a as usize] == cut_of[b as usize]) {
+        let cut = cuts.cut(cut_of[run[0] as usize] as usize);
+        let gathered = ReceiverBuffer::gathered(receivers, run);
+        batches.shade(gathered.view(), cut, &mut out, |place| run[place] as usize);
+    }
+}
+
+/// What receivers have to be told and what memory they share.
+struct Batches<'a, const N: usize> {
+    prepared: &'a Prepared,
+    exposure: Exposure,
+    reflections: Option<(&'a Reflections, Gather<N>)>,
+    rotation: [f32x8; 9],
+}
+
+impl<'a, const N: usize> Batches<'a, N> {
+    fn new(prepared: &'a Prepared) -> Self {
+        let most = prepared.cuts.largest();
+        Self {
+            prepared,
+            exposure: match prepared.combination {
+                Combination::Shares { points } => Exposure::new(points, most),
+                _ => Exposure::new(1, 0),
+            },
+            reflections: (prepared.reflections.as_ref())
+                .filter(|reflections| !reflections.is_dark())
+                .map(|reflections| (reflections, Gather::new(reflections.emitter_count(), most))),
+            rotation: prepared.cuts.rotation.transpose().to_cols_array().map(|value| f32x8::splat(value as f32)),
+        }
+    }
+
+    /// The rotation into light space times a vector.
+    fn turn(&self, v: [f32x8; 3]) -> [f32x8; 3] {
+        let m = &self.rotation;
+        std::array::from_fn(|axis| m[3 * axis].mul_add(v[0], m[3 * axis + 1].mul_add(v[1], m[3 * axis + 2] * v[2])))
+    }
+
+    /// Shades receivers that see the same spheres; `place` says where in `out` each one belongs.
+    fn shade(
+        &mut self,
+        receivers: Receivers<'_>,
+        blockers: &[Blocker],
+        out: &mut RadianceMut<'_>,
+        place: impl Fn(usize) -> usize,
+    ) {
+        let prepared = self.prepared;
+        let center = prepared.cuts.center;
+        for start in (0..receivers.len()).step_by(LANES) {
+            let lanes = (receivers.len() - start).min(LANES);
+            let load = |values: &[f32]| -> [f32; LANES] {
+                let values = &values[start..start + lanes];
+                values.first_chunk().copied().unwrap_or_else(|| std::array::from_fn(|i| values[i.min(lanes - 1)]))
+            };
+            let position = self.turn(std::array::from_fn(|axis| {
+                // In double precision, because a scene may lie far from the origin.
+                f32x8::from(load(receivers.position[axis]).map(|x| (f64::from(x) - center[axis]) as f32))
+            }));
+            let normal = self.turn(receivers.normal.map(|axis| f32x8::from(load(axis))));
+            let seen = self
+                .reflections
+                .as_mut()
+                .map(|(reflections, gather)| gather.see((prepared, reflections), blockers, &position, &normal));
+            let visibility = match &prepared.combination {
+                Combination::Exponential(exponential) => {
+                    exponential.evaluate(&seen.unwrap_or_else(|| log_sum::<N>(prepared, blockers, &position, &normal)))
+                }
+                Combination::Product => multiplied::<N>(prepared, blockers, &position, &normal),
+                Combination::Shares { .. } => self.exposure.visibility::<N>(prepared, blockers, &position, &normal),
+            };
+            let mut radiance = prepared.light.dot(&normal, &visibility, prepared.clamp);
+            if let Some((reflections, gather)) = &mut self.reflections {
+                let reflected = gather.radiance(reflections, &normal);
+                radiance.iter_mut().zip(reflected).for_each(|(sum, value)| *sum += value);
             }
-            Combination::Product => multiplied::<N>(prepared, &position, &normal),
-            Combination::Shares { .. } => exposure.visibility::<N>(prepared, &position, &normal),
-        };
-        let mut radiance = prepared.light.dot(&normal, &visibility, prepared.clamp);
-        if let (Some(gather), Some(reflections)) = (&mut gather, reflections) {
-            let reflected = gather.radiance(reflections, &normal);
-            radiance.iter_mut().zip(reflected).for_each(|(sum, value)| *sum += value);
+            for (channel, values) in radiance.into_iter().enumerate() {
+                let values = (values * f32x8::from(load(receivers.albedo[channel]))).to_array();
+                for (lane, value) in values.into_iter().enumerate().take(lanes) {
+                    out.channels[channel][place(start + lane)] = value;
+                }
+            }
         }
-        for (channel, values) in radiance.into_iter().enumerate() {
-            let values = (values * f32x8::from(load(receivers.albedo[channel]))).to_array();
-            out.channels[channel][start..start + lanes].copy_from_slice(&values[..lanes]);
-        }
-        start += lanes;
     }
 }
 
 /// Σ log B [Guerrero2007, eq. 4.7].
 #[inline(never)]
-fn log_sum<const N: usize>(prepared: &Prepared, position: &[f32x8; 3], normal: &[f32x8; 3]) -> ShBatch<N> {
+fn log_sum<const N: usize>(
+    prepared: &Prepared,
+    blockers: &[Blocker],
+    position: &[f32x8; 3],
+    normal: &[f32x8; 3],
+) -> ShBatch<N> {
     let mut sum = [f32x8::ZERO; N];
-    for blocker in &prepared.blockers.spheres {
+    for blocker in blockers {
         // A sphere that no lane sees adds 0 to all of them: leaving it out changes no bit.
         if let Some(seen) = blocker.seen_from(position, normal, prepared.rule) {
-            let share = f32x8::splat(blocker.share);
-            let scale = prepared.table.lookup::<N>(seen.sin_squared).map(|value| value * share);
+            let scale = blocker.times_factors(prepared.table.lookup::<N>(seen.sin_squared));
             kernel::accumulate_lobe(seen.direction, &scale, &mut sum);
         }
     }
@@ -73,10 +131,15 @@ fn log_sum<const N: usize>(prepared: &Prepared, position: &[f32x8; 3], normal: &
 
 /// B_1 * B_2 * .. one after another [Guerrero2007, eq. 4.6], held to the range of visibility after each.
 #[inline(never)]
-fn multiplied<const N: usize>(prepared: &Prepared, position: &[f32x8; 3], normal: &[f32x8; 3]) -> ShBatch<N> {
+fn multiplied<const N: usize>(
+    prepared: &Prepared,
+    blockers: &[Blocker],
+    position: &[f32x8; 3],
+    normal: &[f32x8; 3],
+) -> ShBatch<N> {
     let mut visibility = [f32x8::ZERO; N];
     visibility[0] = f32x8::splat((4.0 * std::f32::consts::PI).sqrt());
-    for blocker in &prepared.blockers.spheres {
+    for blocker in blockers {
         if let Some(seen) = blocker.seen_from(position, normal, prepared.rule) {
             let scale = prepared.table.lookup::<N>(seen.sin_squared);
             let mut minus_cap = [f32x8::ZERO; N];

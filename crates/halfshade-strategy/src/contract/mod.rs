@@ -39,6 +39,12 @@ fn baked(strategy: &dyn Strategy, params: &Params, scene: &Scene) -> Result<Box<
     strategy.bake(scene, params, &Silent).map_err(|error| Violation(format!("bake: {error}")))
 }
 
+/// The scene with two bounces, if the strategy can model them.
+fn bounced(strategy: &dyn Strategy, scene: Scene) -> Scene {
+    let bounces = if strategy.info().effects.contains(Effect::Interreflection) { 2 } else { 0 };
+    Scene { bounces, ..scene }
+}
+
 fn prepare(baked: &mut dyn Baked, frame: &Frame<'_>) -> Checked {
     baked.prepare(frame).map_err(|error| Violation(format!("prepare: {error}")))
 }
@@ -161,7 +167,7 @@ pub fn rotating_everything_changes_nothing(strategy: &dyn Strategy, params: &Par
     let spheres = scenes::crowd(6);
     let receivers = scenes::receivers(61);
     for environment in [scenes::map(), scenes::sun()] {
-        let scene = scenes::spheres(environment, &spheres);
+        let scene = bounced(strategy, scenes::spheres(environment, &spheres));
         let frame = scene.frame(0);
         let mut baked = baked(strategy, params, &scene)?;
         prepare(baked.as_mut(), &frame)?;
@@ -209,7 +215,7 @@ pub fn adding_a_blocker_never_brightens(strategy: &dyn Strategy, params: &Params
 
 /// However the receivers are split, the bits are the same.
 pub fn splitting_a_batch_changes_no_bit(strategy: &dyn Strategy, params: &Params) -> Checked {
-    let scene = scenes::spheres(scenes::sun(), &scenes::crowd(12));
+    let scene = bounced(strategy, scenes::spheres(scenes::sun(), &scenes::crowd(12)));
     let receivers = scenes::receivers(101);
     let mut baked = baked(strategy, params, &scene)?;
     prepare(baked.as_mut(), &scene.frame(0))?;
@@ -235,7 +241,7 @@ pub fn splitting_a_batch_changes_no_bit(strategy: &dyn Strategy, params: &Params
 
 /// Preparing a frame twice, or another one in between, leaves no trace.
 pub fn preparing_twice_equals_once(strategy: &dyn Strategy, params: &Params) -> Checked {
-    let scene = scenes::spheres(scenes::map(), &scenes::crowd(5));
+    let scene = bounced(strategy, scenes::spheres(scenes::map(), &scenes::crowd(5)));
     let other_scene = scenes::spheres(scenes::sun(), &scenes::crowd(5));
     let receivers = scenes::receivers(33);
     let frame = scene.frame(0);
@@ -288,7 +294,7 @@ pub fn every_output_is_finite(strategy: &dyn Strategy, params: &Params) -> Check
             if let Some(sun) = &mut environment.sun {
                 sun.radiance *= strength;
             }
-            let scene = scenes::spheres(environment, spheres);
+            let scene = bounced(strategy, scenes::spheres(environment, spheres));
             let out = rendered(strategy, params, &scene, &receivers)?;
             if let Some(i) = (0..receivers.len()).find(|&i| !out.at(i).is_finite()) {
                 return violation(format!("{} under {strength}, {} spheres, receiver {i}", out.at(i), spheres.len()));

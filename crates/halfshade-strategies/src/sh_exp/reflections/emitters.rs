@@ -10,6 +10,7 @@ use glam::DMat3;
 use halfshade_scene::{Frame, RadianceBuffer, ReceiverBuffer};
 use halfshade_sh::rotation::ShRotation;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// What every sphere radiates, in light space.
 #[derive(Debug, Clone, Default)]
@@ -41,7 +42,7 @@ impl Emitters {
     /// sample points of all spheres, in the order of [`place`].
     pub(super) fn set(
         &mut self,
-        surfaces: &[SphereSurface],
+        surfaces: &[Arc<SphereSurface>],
         owners: &[u32],
         frame: &Frame<'_>,
         (bands, channels): (usize, usize),
@@ -87,11 +88,19 @@ impl Emitters {
     }
 }
 
-/// The sample points of all spheres in world space, as white receivers.
-pub(super) fn place(surfaces: &[SphereSurface], owners: &[u32], frame: &Frame<'_>, points: &mut ReceiverBuffer) {
+/// The sample points of all spheres in world space, as white receivers, and the sphere of each.
+pub(super) fn place(
+    surfaces: &[Arc<SphereSurface>],
+    owners: &[u32],
+    frame: &Frame<'_>,
+    points: &mut ReceiverBuffer,
+    emitter_of_point: &mut Vec<u32>,
+) {
     points.clear();
-    for (surface, &object) in surfaces.iter().zip(owners) {
+    emitter_of_point.clear();
+    for (emitter, (surface, &object)) in surfaces.iter().zip(owners).enumerate() {
         let pose = &frame.world_from_object[object as usize];
+        emitter_of_point.extend(surface.samples.iter().map(|_| emitter as u32));
         for &(position, normal) in &surface.samples {
             points.push(pose.transform_point(position), pose.transform_direction(normal), glam::Vec3::ONE, object);
         }

@@ -80,14 +80,15 @@ impl<const N: usize> Gather<N> {
     /// Rows of eight that hold N coefficients.
     const PARTS: usize = N.div_ceil(LANES);
 
-    pub(in crate::sh_exp) fn new(spheres: usize) -> Self {
+    /// For so many spheres, of which a receiver sees at most `most`.
+    pub(in crate::sh_exp) fn new(spheres: usize, most: usize) -> Self {
         Self {
-            entries: Vec::with_capacity(spheres),
+            entries: Vec::with_capacity(most),
             places: vec![UNSEEN; spheres],
             order: std::array::from_fn(|_| (0..spheres as u32).collect()),
-            keys: Vec::with_capacity(spheres),
-            by_lane: vec![f32x8::ZERO; spheres * Self::PARTS * LANES],
-            nearer: vec![f32x8::ZERO; spheres * Self::PARTS * LANES],
+            keys: Vec::with_capacity(most),
+            by_lane: vec![f32x8::ZERO; most * Self::PARTS * LANES],
+            nearer: vec![f32x8::ZERO; most * Self::PARTS * LANES],
         }
     }
 
@@ -95,22 +96,21 @@ impl<const N: usize> Gather<N> {
     #[inline(never)]
     pub(in crate::sh_exp) fn see(
         &mut self,
-        prepared: &Prepared,
-        reflections: &Reflections,
+        (prepared, reflections): (&Prepared, &Reflections),
+        blockers: &[Blocker],
         position: &[f32x8; 3],
         normal: &[f32x8; 3],
     ) -> ShBatch<N> {
         self.entries.clear();
         self.places.fill(UNSEEN);
         let mut log_sum = [f32x8::ZERO; N];
-        for (number, blocker) in prepared.blockers.spheres.iter().enumerate() {
+        for blocker in blockers {
             let Some(seen) = blocker.seen_from(position, normal, prepared.rule) else { continue };
             let basis = kernel::basis::<f32x8, N>(seen.direction);
-            let share = f32x8::splat(blocker.share);
-            let scale = reflections.table.lookup::<N>(seen.sin_squared).map(|value| value * share);
+            let scale = blocker.times_factors(reflections.table.lookup::<N>(seen.sin_squared));
             let log = times_bands(&basis, &scale);
             log_sum.iter_mut().zip(&log).for_each(|(sum, log)| *sum += *log);
-            let vectors = reflections.emitters.of(number);
+            let vectors = reflections.emitters.of(blocker.emitter as usize);
             let radiance = vectors.map_or([f32x8::ZERO; 3], |vectors| {
                 let mut form = reflections.form.lookup(seen.sin_squared.sqrt());
                 // From the sphere to the receiver: the opposite direction turns the sign of odd bands.
@@ -121,9 +121,9 @@ impl<const N: usize> Gather<N> {
                     channels => std::array::from_fn(|c| dot_with(&weights, &channels[c])),
                 }
             });
-            self.places[number] = self.entries.len() as u32;
+            self.places[blocker.emitter as usize] = self.entries.len() as u32;
             self.entries.push(Entry {
-                sphere: number as u32,
+                sphere: blocker.emitter,
                 log,
                 key: order_key(blocker, position, reflections.order),
                 radiance,

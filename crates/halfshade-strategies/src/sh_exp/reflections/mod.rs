@@ -12,8 +12,9 @@ mod gather;
 mod geodesic;
 mod surface;
 
+use super::levels::{Level, Levels};
 use emitters::Emitters;
-use halfshade_scene::{Frame, RadianceBuffer, ReceiverBuffer, Scene, Sphere};
+use halfshade_scene::{Frame, Object, RadianceBuffer, ReceiverBuffer, Scene, Sphere};
 use halfshade_sh::{
     blocker_table::BlockerTable,
     form_factor::{FormFactorTable, Weighting},
@@ -43,14 +44,23 @@ pub(super) struct Reflections {
     walk: Walk,
     order: Order,
     intersections: Intersections,
-    /// Per sphere, in the order of the blockers.
-    surfaces: Vec<SphereSurface>,
-    /// The object of each sphere.
+    /// Per emitter: the spheres of all objects, level by level.
+    surfaces: Vec<Arc<SphereSurface>>,
+    /// The object of each emitter.
     owners: Vec<u32>,
-    /// The spheres of the same object that each one intersects.
+    /// The spheres of the same object and level that each one intersects.
     neighbours: Vec<Vec<u32>>,
-    pub(super) points: ReceiverBuffer,
+    pub(super) points: SamplePoints,
     emitters: Emitters,
+}
+
+/// Where light is gathered for the spheres.
+#[derive(Debug, Clone, Default)]
+pub(super) struct SamplePoints {
+    /// White receivers in world space.
+    pub(super) receivers: ReceiverBuffer,
+    /// The emitter that each belongs to.
+    pub(super) emitters: Vec<u32>,
 }
 
 impl Reflections {
@@ -61,6 +71,7 @@ impl Reflections {
         bounces: usize,
         exponential: BatchExponential,
         table: Arc<BlockerTable>,
+        levels: &mut Levels,
     ) -> Self {
         let bands = exponential.bands();
         let intersections = match params.choice("intersections") {
@@ -82,12 +93,25 @@ impl Reflections {
         let channels = if colourless && !coloured_light { 1 } else { 3 };
         let geodesic = geodesic::Geodesic::new(bands, params.integer("sample-divisions") as usize);
         let (mut surfaces, mut owners, mut neighbours) = (Vec::new(), Vec::new(), Vec::new());
+        let mut known: Vec<(&Object, Vec<Arc<SphereSurface>>)> = Vec::new();
         for (number, object) in scene.objects.iter().enumerate() {
             let Some(set) = object.spheres.as_ref().filter(|_| object.sphere_count > 0) else { continue };
-            let first = owners.len() as u32;
-            owners.extend(set.spheres.iter().map(|_| number as u32));
-            neighbours.extend((0..set.spheres.len()).map(|i| intersecting(&set.spheres, i, first)));
-            surfaces.extend(surface::surfaces(object, &set.spheres, bands, channels, &geodesic, (projection, covered)));
+            let levels = levels.of(set);
+            for spheres in levels.iter().map(|level| &level.spheres) {
+                let first = owners.len() as u32;
+                owners.extend(spheres.iter().map(|_| number as u32));
+                neighbours.extend((0..spheres.len()).map(|i| intersecting(spheres, i, first)));
+            }
+            if let Some((_, same)) = known.iter().find(|(other, _)| look_alike(other, object)) {
+                surfaces.extend(same.iter().cloned());
+                continue;
+            }
+            let choices = (projection, covered);
+            let of_level =
+                |level: &Level| surface::surfaces(object, &level.spheres, bands, channels, &geodesic, choices);
+            let own: Vec<_> = levels.iter().flat_map(of_level).map(Arc::new).collect();
+            surfaces.extend(own.iter().cloned());
+            known.push((object, own));
         }
         let cosine = (zonal::clamped_cosine(bands).iter().enumerate())
             .map(|(l, a)| (a / PI * zonal::rotation_scale(l)) as f32)
@@ -109,14 +133,15 @@ impl Reflections {
             surfaces,
             owners,
             neighbours,
-            points: ReceiverBuffer::default(),
+            points: SamplePoints::default(),
             emitters: Emitters::default(),
         }
     }
 
     /// Puts the sample points where they are in `frame`; nothing shines yet.
     pub(super) fn begin(&mut self, frame: &Frame<'_>) {
-        emitters::place(&self.surfaces, &self.owners, frame, &mut self.points);
+        let SamplePoints { receivers, emitters } = &mut self.points;
+        emitters::place(&self.surfaces, &self.owners, frame, receivers, emitters);
         self.emitters = Emitters::default();
     }
 
@@ -130,8 +155,23 @@ impl Reflections {
         self.emitters.is_dark()
     }
 
+    /// How many spheres there are in all levels.
+    pub(super) fn emitter_count(&self) -> usize {
+        self.surfaces.len()
+    }
+
+    /// Whether `frame` is of the scene that this was made for, as far as its objects' spheres tell.
+    pub(super) fn fits(&self, frame: &Frame<'_>, levels: &mut Levels) -> bool {
+        let sets = frame.scene.objects.iter().enumerate().filter(|(_, object)| object.sphere_count > 0);
+        let mut owners = Vec::with_capacity(self.owners.len());
+        for (number, set) in sets.filter_map(|(number, object)| Some((number, object.spheres.as_ref()?))) {
+            owners.extend(levels.of(set).iter().flat_map(|level| &level.spheres).map(|_| number as u32));
+        }
+        owners == self.owners
+    }
+
     pub(super) fn bytes(&self) -> usize {
-        let surface = |s: &SphereSurface| size_of_val(s.samples.as_slice()) + size_of_val(s.weights.as_slice());
+        let surface = |s: &Arc<SphereSurface>| size_of_val(s.samples.as_slice()) + size_of_val(s.weights.as_slice());
         self.surfaces.iter().map(surface).sum::<usize>() + self.emitters.bytes() + self.form.bytes()
     }
 
@@ -142,6 +182,12 @@ impl Reflections {
             Intersections::Ordered => &[],
         }
     }
+}
+
+/// Whether two objects share surface and spheres, as copies do.
+fn look_alike(a: &Object, b: &Object) -> bool {
+    let same_spheres = a.spheres.as_ref().zip(b.spheres.as_ref()).is_some_and(|(a, b)| Arc::ptr_eq(a, b));
+    Arc::ptr_eq(&a.mesh, &b.mesh) && same_spheres && a.material == b.material
 }
 
 /// The spheres that intersect sphere `i`, counted from `first`.

@@ -1,0 +1,318 @@
+//! Which spheres a receiver sees: all leaves, or for each cluster of receivers what its distance allows
+//! [Guerrero2007, 4.2 "Using sphere hierarchies"].
+//!
+//! From a cluster with bounding sphere (x_c, r_c), a sphere (x_s, r_s) is seen under at most
+//!
+//! ```text
+//! θ_max = asin(r_s / (|x_s - x_c| - r_c))        (eq. 4.8)
+//! ```
+//!
+//! [`Choice::Level`] takes for each object the coarsest level in which no sphere exceeds a threshold. [`Choice::Tree`] goes
+//! down the hierarchy as \[Ren2006\] does and stops sphere by sphere. So that borders of clusters don't show, the log
+//! blocker of a parent is scaled band by band to what its children would give at the cluster's centre:
+//!
+//! ```text
+//! W_l = Σ_m F_b,lm F_d,lm / Σ_m F_b,lm²        (eq. 4.9)        F_b of the parent, F_d the sum over its children
+//! ```
+//!
+//! A receiver belongs to the cluster of its object with the nearest centre, which is how clusters are made: points between
+//! vertices find theirs too.
+
+use super::{
+    blockers::Blocker,
+    levels::{Level, Levels},
+};
+use glam::{DMat3, DVec3};
+use halfshade_scene::{Frame, Receivers, Scene, Sphere, cluster};
+use halfshade_sh::{
+    blocker_table::BlockerTable,
+    kernel::{self, MAX_BANDS},
+};
+use halfshade_strategy::StrategyError;
+use std::sync::Arc;
+use wide::f32x8;
+
+/// Which spheres of a hierarchy are taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Choice {
+    /// The leaves, everywhere.
+    Leaves,
+    /// One level of each object per cluster [Guerrero2007, 4.2].
+    Level,
+    /// A cut through the tree per cluster \[Ren2006\].
+    Tree,
+}
+
+/// How cuts are made.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct CutSettings {
+    pub(super) choice: Choice,
+    /// Sine of the largest angular radius of a sphere that isn't a leaf.
+    pub(super) threshold_sine: f64,
+    /// Whether parents are scaled to their children.
+    pub(super) ratios: bool,
+    pub(super) bands: usize,
+}
+
+/// Receivers per cluster of an object that doesn't say how many clusters it has: the thesis's scenes have 400 to 800.
+const RECEIVERS_PER_CLUSTER: usize = 600;
+
+/// Bounding spheres of the receiver clusters of every object, in its own space; none if cuts are the same everywhere.
+pub(super) fn clusters(scene: &Scene, choice: Choice) -> Vec<Vec<Sphere>> {
+    if choice == Choice::Leaves {
+        return Vec::new();
+    }
+    let count = |object: &halfshade_scene::Object| match object.cluster_count {
+        0 => object.mesh.positions.len().div_ceil(RECEIVERS_PER_CLUSTER),
+        count => count,
+    };
+    scene.objects.iter().map(|object| cluster(&object.mesh.positions, count(object), 0).bounds).collect()
+}
+
+/// The cuts of a frame, in the space of the light: turned like the environment, so that its tables hold for every turn, and
+/// about a centre within the scene, so that single precision is spent on the scene alone.
+#[derive(Debug, Clone)]
+pub(super) struct Cuts {
+    cuts: Vec<Vec<Blocker>>,
+    /// Per object the centres of its clusters and their cuts; none if there is one cut for all.
+    clusters: Vec<Vec<([f32; 3], u32)>>,
+    /// Cuts of the receivers around each sphere of every level, in the order of the emitters.
+    of_emitters: Vec<u32>,
+    /// Light space from world space: `rotation · (point - center)`.
+    pub(super) rotation: DMat3,
+    pub(super) center: DVec3,
+}
+
+/// Whose cut a receiver takes.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum CutOf<'a> {
+    /// That of its cluster.
+    Cluster,
+    /// That of the sphere of this number, receiver by receiver.
+    Emitter(&'a [u32]),
+}
+
+/// The spheres of one object in light space, level by level.
+struct Placed {
+    levels: Arc<[Level]>,
+    spheres: Vec<Vec<(DVec3, f64)>>,
+    /// Number of the first sphere of each level among all emitters.
+    first: Vec<u32>,
+}
+
+impl Default for Cuts {
+    fn default() -> Self {
+        let (cuts, clusters, of_emitters) = (vec![Vec::new()], Vec::new(), Vec::new());
+        Self { cuts, clusters, of_emitters, rotation: DMat3::IDENTITY, center: DVec3::ZERO }
+    }
+}
+
+impl Cuts {
+    /// For `frame`; `clusters` is empty or has an entry per object. `logs` are the log blockers by angular radius, if
+    /// blockers are logarithms.
+    pub(super) fn new(
+        frame: &Frame<'_>,
+        levels: &mut Levels,
+        clusters: &[Vec<Sphere>],
+        logs: Option<&BlockerTable>,
+        settings: &CutSettings,
+    ) -> Result<Self, StrategyError> {
+        let mut objects = Vec::new();
+        let mut first = 0;
+        for (object, pose) in frame.scene.objects.iter().zip(&frame.world_from_object) {
+            if object.sphere_count == 0 {
+                continue;
+            }
+            let set = object.spheres.as_ref().ok_or_else(|| {
+                StrategyError::Failed(format!("object `{}` blocks but its sphere set is not built", object.name))
+            })?;
+            let levels = levels.of(set);
+            let place = |sphere: &Sphere| placed(sphere, pose);
+            let spheres: Vec<Vec<(DVec3, f64)>> =
+                levels.iter().map(|level| level.spheres.iter().map(place).collect()).collect();
+            let firsts = spheres.iter().map(|level| {
+                first += level.len() as u32;
+                first - level.len() as u32
+            });
+            objects.push(Placed { first: firsts.collect(), levels, spheres });
+        }
+        let leaves = || objects.iter().flat_map(|object| &object.spheres[0]);
+        let center = leaves().map(|(center, _)| *center).sum::<DVec3>() / f64::from(leaves().count().max(1) as u32);
+        let rotation = DMat3::from_quat(frame.world_from_environment.as_dquat().normalize().conjugate());
+        for (place, _) in objects.iter_mut().flat_map(|object| &mut object.spheres).flatten() {
+            *place = rotation * (*place - center);
+        }
+
+        let mut cuts = Self { cuts: Vec::new(), clusters: Vec::new(), of_emitters: Vec::new(), rotation, center };
+        if settings.choice == Choice::Leaves {
+            cuts.cuts.push(objects.iter().flat_map(|object| object.level(0)).collect());
+            return Ok(cuts);
+        }
+        let cut = |center: DVec3, radius: f64| -> Vec<Blocker> {
+            let seen = View { center, radius, logs: logs.filter(|_| settings.ratios), settings };
+            objects.iter().flat_map(|object| object.cut(&seen)).collect()
+        };
+        for (bounds, pose) in clusters.iter().zip(&frame.world_from_object) {
+            let mut of_object = Vec::new();
+            for bound in bounds {
+                let (place, radius) = placed(bound, pose);
+                let place = rotation * (place - center);
+                of_object.push((place.as_vec3().to_array(), cuts.cuts.len() as u32));
+                cuts.cuts.push(cut(place, radius));
+            }
+            cuts.clusters.push(of_object);
+        }
+        if cuts.cuts.is_empty() {
+            // No cluster, no receiver: but there is always a first cut.
+            cuts.cuts.push(Vec::new());
+        }
+        for &(place, radius) in objects.iter().flat_map(|object| &object.spheres).flatten() {
+            cuts.of_emitters.push(cuts.cuts.len() as u32);
+            cuts.cuts.push(cut(place, radius));
+        }
+        Ok(cuts)
+    }
+
+    /// The blockers of a cut.
+    pub(super) fn cut(&self, number: usize) -> &[Blocker] {
+        &self.cuts[number]
+    }
+
+    /// Blockers of the largest cut.
+    pub(super) fn largest(&self) -> usize {
+        self.cuts.iter().map(Vec::len).max().unwrap_or(0)
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        self.cuts.iter().map(|cut| size_of_val(cut.as_slice())).sum()
+    }
+
+    /// The cut of each receiver; `None` if they all share the first.
+    pub(super) fn of(&self, receivers: Receivers<'_>, whose: CutOf<'_>) -> Option<Vec<u32>> {
+        if self.clusters.is_empty() {
+            return None;
+        }
+        let of_cluster = |i: usize| {
+            let position = self.rotation * (receivers.position_at(i).as_dvec3() - self.center);
+            let position = position.as_vec3();
+            let clusters = self.clusters.get(receivers.object[i] as usize)?;
+            let distance = |center: &[f32; 3]| position.distance_squared(glam::Vec3::from(*center));
+            clusters.iter().min_by(|a, b| distance(&a.0).total_cmp(&distance(&b.0))).map(|cluster| cluster.1)
+        };
+        let of = |i: usize| match whose {
+            CutOf::Cluster => of_cluster(i).unwrap_or(0),
+            CutOf::Emitter(numbers) => self.of_emitters[numbers[i] as usize],
+        };
+        Some((0..receivers.len()).map(of).collect())
+    }
+}
+
+fn placed(sphere: &Sphere, pose: &halfshade_scene::Pose) -> (DVec3, f64) {
+    let center = pose.rotation.as_dquat() * (f64::from(pose.scale) * sphere.center.as_dvec3());
+    (center + pose.translation.as_dvec3(), f64::from(pose.scale * sphere.radius))
+}
+
+/// What a cluster decides by.
+struct View<'a> {
+    center: DVec3,
+    radius: f64,
+    /// With which ratios are found; `None`: no ratios.
+    logs: Option<&'a BlockerTable>,
+    settings: &'a CutSettings,
+}
+
+impl View<'_> {
+    /// Whether a sphere is seen small enough from everywhere in the cluster.
+    fn allows(&self, &(center, radius): &(DVec3, f64)) -> bool {
+        radius <= self.settings.threshold_sine * (center.distance(self.center) - self.radius)
+    }
+}
+
+impl Placed {
+    fn cut(&self, view: &View<'_>) -> Vec<Blocker> {
+        match view.settings.choice {
+            Choice::Leaves => self.level(0).collect(),
+            Choice::Level => {
+                let fits = |&level: &usize| self.spheres[level].iter().all(|sphere| view.allows(sphere));
+                let level = (1..self.levels.len()).rev().find(fits).unwrap_or(0);
+                (0..self.spheres[level].len()).map(|i| self.scaled(level, i, view)).collect()
+            }
+            Choice::Tree => {
+                let top = self.levels.len() - 1;
+                let mut open: Vec<(usize, u32)> = (0..self.spheres[top].len() as u32).map(|i| (top, i)).collect();
+                let mut cut = Vec::new();
+                while let Some((level, i)) = open.pop() {
+                    let children = &self.levels[level].children[i as usize];
+                    if level == 0 || view.allows(&self.spheres[level][i as usize]) {
+                        cut.push(self.scaled(level, i as usize, view));
+                    } else {
+                        open.extend(children.iter().map(|&child| (level - 1, child)));
+                    }
+                }
+                cut
+            }
+        }
+    }
+
+    /// All spheres of a level as they are.
+    fn level(&self, level: usize) -> impl Iterator<Item = Blocker> {
+        (0..self.spheres[level].len()).map(move |i| self.blocker(level, i))
+    }
+
+    fn blocker(&self, level: usize, i: usize) -> Blocker {
+        let (center, radius) = self.spheres[level][i];
+        Blocker {
+            center: center.as_vec3().to_array(),
+            radius: radius as f32,
+            factors: [self.levels[level].shares[i]; MAX_BANDS],
+            emitter: self.first[level] + i as u32,
+        }
+    }
+
+    /// A sphere, scaled to what its children give at the cluster's centre.
+    fn scaled(&self, level: usize, i: usize, view: &View<'_>) -> Blocker {
+        let mut blocker = self.blocker(level, i);
+        let children = &self.levels[level].children[i];
+        if let Some(logs) = view.logs.filter(|_| !children.is_empty()) {
+            let children: Vec<Blocker> =
+                children.iter().map(|&child| self.blocker(level - 1, child as usize)).collect();
+            let place = view.center.as_vec3().to_array();
+            let ratio =
+                halfshade_sh::dispatch_bands!(view.settings.bands, N => ratio::<N>(logs, &blocker, &children, place));
+            let ratio = ratio.unwrap_or([1.0; MAX_BANDS]);
+            blocker.factors.iter_mut().zip(ratio).for_each(|(factor, ratio)| *factor *= ratio);
+        }
+        blocker
+    }
+}
+
+/// W_l at `place` (eq. 4.9); 1 where the parent has nothing to scale.
+fn ratio<const N: usize>(
+    logs: &BlockerTable,
+    parent: &Blocker,
+    children: &[Blocker],
+    place: [f32; 3],
+) -> [f32; MAX_BANDS] {
+    let mut bounding = [f32x8::ZERO; N];
+    add_log(logs, parent, place, &mut bounding);
+    let mut detailed = [f32x8::ZERO; N];
+    children.iter().for_each(|child| add_log(logs, child, place, &mut detailed));
+    std::array::from_fn(|l| {
+        let band = |a: &[f32x8; N], b: &[f32x8; N]| -> f32 {
+            (l * l..((l + 1) * (l + 1)).min(N)).map(|i| a[i].as_array()[0] * b[i].as_array()[0]).sum()
+        };
+        let ratio = band(&bounding, &detailed) / band(&bounding, &bounding);
+        if ratio.is_finite() { ratio } else { 1.0 }
+    })
+}
+
+/// Adds the log blocker of a sphere as seen from `place`, in every lane the same.
+fn add_log<const N: usize>(logs: &BlockerTable, blocker: &Blocker, place: [f32; 3], sum: &mut [f32x8; N]) {
+    let offset: [f32; 3] = std::array::from_fn(|axis| blocker.center[axis] - place[axis]);
+    let squared = offset.iter().map(|x| x * x).sum::<f32>();
+    if squared > 0.0 {
+        let zonal = logs.lookup::<N>(f32x8::splat((blocker.radius * blocker.radius / squared).min(1.0)));
+        let direction = offset.map(|x| f32x8::splat(x / squared.sqrt()));
+        kernel::accumulate_lobe(direction, &blocker.times_factors(zonal), sum);
+    }
+}
