@@ -132,3 +132,42 @@ fn black_objects_change_no_bit() {
     let shadow = shade(&scene, &scene.frame(0), &line(), "bounces=0");
     assert_eq!(shade(&scene, &scene.frame(0), &line(), ""), shadow);
 }
+
+/// Rows of receivers across the ground between the vases.
+fn rows() -> ReceiverBuffer {
+    let mut receivers = ReceiverBuffer::default();
+    for row in 0..5 {
+        for i in 0..800 {
+            let place = Vec3::new(-1.9 + 3.8 * i as f32 / 800.0, 0.0, 0.3 + 0.35 * row as f32);
+            receivers.push(place, Vec3::Y, Vec3::ONE, 0);
+        }
+    }
+    receivers
+}
+
+/// Largest step between neighbours of what `coarse` adds to `fine`: borders of clusters.
+fn border_step(fine: &RadianceBuffer, coarse: &RadianceBuffer) -> f32 {
+    let added = |i: usize| coarse.at(i) - fine.at(i);
+    let steps = (1..fine.len()).filter(|i| i % 800 != 0).map(|i| (added(i) - added(i - 1)).abs().max_element());
+    steps.fold(0.0, f32::max)
+}
+
+/// A threshold of 0 leaves the leaves; coarser levels step at the borders of clusters, and ratios take most of it away.
+#[test]
+fn ratios_hide_the_borders_of_clusters() {
+    let scene = crowded();
+    let frame = scene.frame(0);
+    let vertices = ReceiverBuffer::vertices(&frame);
+    let leaves = shade(&scene, &frame, &vertices, "");
+    assert_eq!(leaves, shade(&scene, &frame, &vertices, "levels=cluster,cut-angle=0"));
+    let receivers = rows();
+    for (levels, bounces) in [("cluster", 0), ("cluster", 1), ("tree", 0)] {
+        let of = |settings: &str| shade(&scene, &frame, &receivers, &format!("bounces={bounces},{settings}"));
+        let fine = of("");
+        let step =
+            |ratios| border_step(&fine, &of(&format!("levels={levels},cut-angle=25,branching=2,ratios={ratios}")));
+        let (with, without) = (step("on"), step("off"));
+        println!("{levels}, {bounces} bounces: {with} with ratios, {without} without");
+        assert!(without > 1e-4 && with < 0.5 * without, "{levels}, {bounces} bounces: {with}, {without}");
+    }
+}

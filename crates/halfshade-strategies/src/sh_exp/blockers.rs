@@ -13,6 +13,8 @@ pub(super) struct Blocker {
     pub(super) factors: [f32; MAX_BANDS],
     /// Its number among the spheres of all levels.
     pub(super) emitter: u32,
+    /// What its reflected light is multiplied with: the ratio of a parent to its children.
+    pub(super) reflection_factor: f32,
 }
 
 /// What eight receivers see of one sphere after the rules of [`halfshade_scene::spheres::adjust`], of which this is the
@@ -95,7 +97,7 @@ mod tests {
             });
             let normal: [f32x8; 3] =
                 std::array::from_fn(|axis| f32x8::from(std::array::from_fn::<f32, 8, _>(|i| normals[i][axis] as f32)));
-            let blocker = Blocker { center, radius, factors: [1.0; MAX_BANDS], emitter: 0 };
+            let blocker = Blocker { center, radius, factors: [1.0; MAX_BANDS], emitter: 0, reflection_factor: 1.0 };
             for rule in [AdjustRule::Continuous, AdjustRule::Published] {
                 let seen = blocker.seen_from(&positions.map(f32x8::from), &normal, rule);
                 for (lane, lane_normal) in normals.iter().enumerate() {
@@ -125,7 +127,8 @@ mod tests {
     #[test]
     fn defined_at_the_centre_on_the_surface_and_next_to_it() {
         for radius in [1e-3f32, 1.0, 1e3] {
-            let blocker = Blocker { center: [0.0; 3], radius, factors: [1.0; MAX_BANDS], emitter: 0 };
+            let blocker =
+                Blocker { center: [0.0; 3], radius, factors: [1.0; MAX_BANDS], emitter: 0, reflection_factor: 1.0 };
             for distance in [0.0, 1e-7, 1.0 - 1e-7, 1.0, 1.0 + 1e-7] {
                 for sign in [-1.0, 1.0] {
                     let position = [f32x8::ZERO, f32x8::splat(radius * distance * sign), f32x8::ZERO];

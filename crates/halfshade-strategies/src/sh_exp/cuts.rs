@@ -15,6 +15,8 @@
 //! W_l = Σ_m F_b,lm F_d,lm / Σ_m F_b,lm²        (eq. 4.9)        F_b of the parent, F_d the sum over its children
 //! ```
 //!
+//! Reflected light has a ratio of its own, see [`Cuts::set_reflection_ratios`].
+//!
 //! A receiver belongs to the cluster of its object with the nearest centre, which is how clusters are made: points between
 //! vertices find theirs too.
 
@@ -23,7 +25,7 @@ use super::{
     levels::{Level, Levels},
 };
 use glam::{DMat3, DVec3};
-use halfshade_scene::{Frame, Receivers, Scene, Sphere, cluster};
+use halfshade_scene::{Frame, Object, Receivers, Scene, Sphere, cluster};
 use halfshade_sh::{
     blocker_table::BlockerTable,
     kernel::{self, MAX_BANDS},
@@ -57,16 +59,34 @@ pub(super) struct CutSettings {
 /// Receivers per cluster of an object that doesn't say how many clusters it has: the thesis's scenes have 400 to 800.
 const RECEIVERS_PER_CLUSTER: usize = 600;
 
-/// Bounding spheres of the receiver clusters of every object, in its own space; none if cuts are the same everywhere.
-pub(super) fn clusters(scene: &Scene, choice: Choice) -> Vec<Vec<Sphere>> {
+/// A cluster of an object's receivers, in the object's space.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ReceiverCluster {
+    bound: Sphere,
+    /// Unit mean of its receivers' normals; any if they cancel.
+    normal: DVec3,
+}
+
+/// The receiver clusters of every object; none if cuts are the same everywhere.
+pub(super) fn clusters(scene: &Scene, choice: Choice) -> Vec<Vec<ReceiverCluster>> {
     if choice == Choice::Leaves {
         return Vec::new();
     }
-    let count = |object: &halfshade_scene::Object| match object.cluster_count {
-        0 => object.mesh.positions.len().div_ceil(RECEIVERS_PER_CLUSTER),
-        count => count,
+    let of = |object: &Object| {
+        let count = match object.cluster_count {
+            0 => object.mesh.positions.len().div_ceil(RECEIVERS_PER_CLUSTER),
+            count => count,
+        };
+        let clusters = cluster(&object.mesh.positions, count, 0);
+        let mut normals = vec![DVec3::ZERO; clusters.bounds.len()];
+        for (normal, &own) in object.mesh.normals.iter().zip(&clusters.assignment) {
+            normals[own as usize] += normal.as_dvec3();
+        }
+        let with_normal =
+            |(bound, normal): (Sphere, DVec3)| ReceiverCluster { bound, normal: normal.normalize_or(DVec3::Y) };
+        clusters.bounds.into_iter().zip(normals).map(with_normal).collect()
     };
-    scene.objects.iter().map(|object| cluster(&object.mesh.positions, count(object), 0).bounds).collect()
+    scene.objects.iter().map(of).collect()
 }
 
 /// The cuts of a frame, in the space of the light: turned like the environment, so that its tables hold for every turn, and
@@ -78,9 +98,23 @@ pub(super) struct Cuts {
     clusters: Vec<Vec<([f32; 3], u32)>>,
     /// Cuts of the receivers around each sphere of every level, in the order of the emitters.
     of_emitters: Vec<u32>,
+    /// Clusters whose cut has parents in it, if ratios are wanted.
+    coarse: Vec<CoarseCut>,
     /// Light space from world space: `rotation · (point - center)`.
     pub(super) rotation: DMat3,
     pub(super) center: DVec3,
+}
+
+/// A cut with parents in it, beside its refinement.
+#[derive(Debug, Clone)]
+pub(super) struct CoarseCut {
+    cut: usize,
+    /// Centre and mean normal of the cluster.
+    pub(super) place: [f32; 3],
+    pub(super) normal: [f32; 3],
+    /// The cut with all parents replaced by their children, and for each of its spheres the one in the cut.
+    pub(super) refined: Vec<Blocker>,
+    origin: Vec<usize>,
 }
 
 /// Whose cut a receiver takes.
@@ -102,8 +136,14 @@ struct Placed {
 
 impl Default for Cuts {
     fn default() -> Self {
-        let (cuts, clusters, of_emitters) = (vec![Vec::new()], Vec::new(), Vec::new());
-        Self { cuts, clusters, of_emitters, rotation: DMat3::IDENTITY, center: DVec3::ZERO }
+        Self {
+            cuts: vec![Vec::new()],
+            clusters: Vec::new(),
+            of_emitters: Vec::new(),
+            coarse: Vec::new(),
+            rotation: DMat3::IDENTITY,
+            center: DVec3::ZERO,
+        }
     }
 }
 
@@ -113,7 +153,7 @@ impl Cuts {
     pub(super) fn new(
         frame: &Frame<'_>,
         levels: &mut Levels,
-        clusters: &[Vec<Sphere>],
+        clusters: &[Vec<ReceiverCluster>],
         logs: Option<&BlockerTable>,
         settings: &CutSettings,
     ) -> Result<Self, StrategyError> {
@@ -143,22 +183,38 @@ impl Cuts {
             *place = rotation * (*place - center);
         }
 
-        let mut cuts = Self { cuts: Vec::new(), clusters: Vec::new(), of_emitters: Vec::new(), rotation, center };
+        let mut cuts = Self { cuts: Vec::new(), rotation, center, ..Self::default() };
         if settings.choice == Choice::Leaves {
             cuts.cuts.push(objects.iter().flat_map(|object| object.level(0)).collect());
             return Ok(cuts);
         }
-        let cut = |center: DVec3, radius: f64| -> Vec<Blocker> {
-            let seen = View { center, radius, logs: logs.filter(|_| settings.ratios), settings };
-            objects.iter().flat_map(|object| object.cut(&seen)).collect()
+        let view =
+            |center: DVec3, radius: f64| View { center, radius, logs: logs.filter(|_| settings.ratios), settings };
+        let cut = |center: DVec3, radius: f64| -> Vec<(usize, Blocker)> {
+            let view = view(center, radius);
+            let of_object =
+                |(number, object): (usize, &Placed)| object.cut(&view).into_iter().map(move |b| (number, b));
+            objects.iter().enumerate().flat_map(of_object).collect()
         };
-        for (bounds, pose) in clusters.iter().zip(&frame.world_from_object) {
+        let blockers = |cut: &[(usize, Blocker)]| cut.iter().map(|(_, blocker)| *blocker).collect();
+        for (clusters, pose) in clusters.iter().zip(&frame.world_from_object) {
             let mut of_object = Vec::new();
-            for bound in bounds {
-                let (place, radius) = placed(bound, pose);
+            for cluster in clusters {
+                let (place, radius) = placed(&cluster.bound, pose);
                 let place = rotation * (place - center);
-                of_object.push((place.as_vec3().to_array(), cuts.cuts.len() as u32));
-                cuts.cuts.push(cut(place, radius));
+                let (number, cut) = (cuts.cuts.len(), cut(place, radius));
+                let place = place.as_vec3().to_array();
+                of_object.push((place, number as u32));
+                let (mut refined, mut origin) = (Vec::new(), Vec::new());
+                for (place, (object, blocker)) in cut.iter().enumerate() {
+                    refined.extend(objects[*object].children_of(blocker));
+                    origin.resize(refined.len(), place);
+                }
+                if settings.ratios && refined.len() > cut.len() {
+                    let normal = (rotation * (pose.rotation.as_dquat() * cluster.normal)).as_vec3().to_array();
+                    cuts.coarse.push(CoarseCut { cut: number, place, normal, refined, origin });
+                }
+                cuts.cuts.push(blockers(&cut));
             }
             cuts.clusters.push(of_object);
         }
@@ -168,7 +224,7 @@ impl Cuts {
         }
         for &(place, radius) in objects.iter().flat_map(|object| &object.spheres).flatten() {
             cuts.of_emitters.push(cuts.cuts.len() as u32);
-            cuts.cuts.push(cut(place, radius));
+            cuts.cuts.push(blockers(&cut(place, radius)));
         }
         Ok(cuts)
     }
@@ -180,7 +236,42 @@ impl Cuts {
 
     /// Blockers of the largest cut.
     pub(super) fn largest(&self) -> usize {
-        self.cuts.iter().map(Vec::len).max().unwrap_or(0)
+        let refined = self.coarse.iter().map(|coarse| coarse.refined.len());
+        self.cuts.iter().map(Vec::len).chain(refined).max().unwrap_or(0)
+    }
+
+    /// Scales what parents reflect to what their children do at the cluster's centre, for a receiver with the cluster's
+    /// mean normal, the centre having none of its own:
+    ///
+    /// ```text
+    /// w = Σ over children j of L̃_j Ṽ_j / (L̃ Ṽ)
+    /// ```
+    ///
+    /// that is eq. 4.34 upside down, which as printed leads away from the detailed value when eq. 4.35 multiplies by it.
+    /// Summed over colours, and held in [0, 4]: where a parent is hardly visible the quotient says nothing.
+    /// `parts` gives L̃ Ṽ of all spheres of a list.
+    pub(super) fn set_reflection_ratios(&mut self, mut parts: impl FnMut(&CoarseCut, &[Blocker]) -> Vec<(u32, f32)>) {
+        for coarse in &self.coarse {
+            let cut = &mut self.cuts[coarse.cut];
+            let place_of = |blockers: &[Blocker], emitter| blockers.iter().position(|b| b.emitter == emitter);
+            let mut detailed = vec![0.0; cut.len()];
+            for (emitter, part) in parts(coarse, &coarse.refined) {
+                if let Some(place) = place_of(&coarse.refined, emitter) {
+                    detailed[coarse.origin[place]] += part;
+                }
+            }
+            for (emitter, part) in parts(coarse, cut) {
+                if let Some(place) = place_of(cut, emitter) {
+                    let ratio = detailed[place] / part;
+                    cut[place].reflection_factor = if ratio.is_finite() { ratio.clamp(0.0, 4.0) } else { 1.0 };
+                }
+            }
+        }
+    }
+
+    /// Clusters whose cut has parents in it.
+    pub(super) fn is_coarse(&self) -> bool {
+        !self.coarse.is_empty()
     }
 
     pub(super) fn bytes(&self) -> usize {
@@ -266,7 +357,18 @@ impl Placed {
             radius: radius as f32,
             factors: [self.levels[level].shares[i]; MAX_BANDS],
             emitter: self.first[level] + i as u32,
+            reflection_factor: 1.0,
         }
+    }
+
+    /// The children of a blocker, as they are; itself if it is a leaf.
+    fn children_of(&self, blocker: &Blocker) -> Vec<Blocker> {
+        let level = self.first.partition_point(|&first| first <= blocker.emitter) - 1;
+        let children = &self.levels[level].children[(blocker.emitter - self.first[level]) as usize];
+        if children.is_empty() {
+            return vec![*blocker];
+        }
+        children.iter().map(|&child| self.blocker(level - 1, child as usize)).collect()
     }
 
     /// A sphere, scaled to what its children give at the cluster's centre.

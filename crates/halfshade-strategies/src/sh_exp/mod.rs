@@ -43,13 +43,14 @@ mod cuts;
 mod exposed;
 mod levels;
 mod light_product;
+mod moment;
 mod reflections;
 mod shade;
 mod sun_product;
 
-use cuts::{Choice, CutOf, CutSettings, Cuts};
+use cuts::{Choice, CutOf, CutSettings, Cuts, ReceiverCluster};
 use halfshade_scene::{
-    Frame, Progress, RadianceBuffer, RadianceMut, Receivers, Scene, Sphere, light::OctahedralGrid, scene::MAX_BOUNCES,
+    Frame, Progress, RadianceBuffer, RadianceMut, Receivers, Scene, light::OctahedralGrid, scene::MAX_BOUNCES,
     spheres::AdjustRule,
 };
 use halfshade_sh::{
@@ -65,6 +66,7 @@ use halfshade_strategy::{
 };
 use levels::{Levels, Overlap};
 use light_product::LightProduct;
+use moment::Moment;
 use reflections::Reflections;
 use std::sync::Arc;
 
@@ -299,6 +301,7 @@ impl Strategy for ShExp {
             },
             cuts: Cuts::default(),
             reflections,
+            moment: None,
         }))
     }
 }
@@ -334,11 +337,13 @@ struct Prepared {
     combination: Combination,
     light: LightProduct,
     levels: Levels,
-    /// Bounding spheres of receiver clusters, object by object.
-    clusters: Vec<Vec<Sphere>>,
+    /// Receiver clusters, object by object.
+    clusters: Vec<Vec<ReceiverCluster>>,
     cut_settings: CutSettings,
     cuts: Cuts,
     reflections: Option<Reflections>,
+    /// What everything above stands for.
+    moment: Option<Moment>,
 }
 
 impl Baked for Prepared {
@@ -357,6 +362,10 @@ impl Baked for Prepared {
         if !frame.lights.is_empty() {
             return Err(StrategyError::Unsupported(NO_LOCAL_LIGHTS.into()));
         }
+        if self.moment.as_ref().is_some_and(|moment| moment.is(frame)) {
+            return Ok(());
+        }
+        self.moment = None;
         self.light.set(&frame.scene.environment);
         let logs = match self.combination {
             Combination::Exponential(_) => Some(&*self.table),
@@ -369,6 +378,7 @@ impl Baked for Prepared {
             return Err(StrategyError::Failed("the frame is of another scene than reflections were baked for".into()));
         }
         self.reflect(frame);
+        self.moment = Some(Moment::of(frame));
         Ok(())
     }
 
@@ -392,6 +402,11 @@ impl Prepared {
         }
         if let Some(reflections) = &mut self.reflections {
             reflections.points = points;
+        }
+        if self.cuts.is_coarse() {
+            let mut cuts = std::mem::take(&mut self.cuts);
+            let _: Option<()> = dispatch_bands!(self.bands, N => shade::scale_reflections::<N>(self, &mut cuts));
+            self.cuts = cuts;
         }
     }
 

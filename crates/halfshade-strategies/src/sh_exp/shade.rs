@@ -3,7 +3,7 @@
 use super::{
     Combination, Prepared,
     blockers::Blocker,
-    cuts::CutOf,
+    cuts::{CutOf, Cuts},
     exposed::Exposure,
     reflections::{Gather, Reflections},
 };
@@ -31,6 +31,17 @@ pub(super) fn shade<const N: usize>(
         let gathered = ReceiverBuffer::gathered(receivers, run);
         batches.shade(gathered.view(), cut, &mut out, |place| run[place] as usize);
     }
+}
+
+/// Ratios of reflected light for the parents in `cuts`.
+pub(super) fn scale_reflections<const N: usize>(prepared: &Prepared, cuts: &mut Cuts) {
+    let Some(reflections) = prepared.reflections.as_ref().filter(|reflections| !reflections.is_dark()) else { return };
+    let mut gather = Gather::<N>::new(reflections.emitter_count(), cuts.largest());
+    cuts.set_reflection_ratios(|cluster, blockers| {
+        let normal = cluster.normal.map(f32x8::splat);
+        gather.see((prepared, reflections), blockers, &cluster.place.map(f32x8::splat), &normal);
+        gather.parts(reflections, &normal)
+    });
 }
 
 /// What receivers have to be told and what memory they share.

@@ -116,10 +116,11 @@ impl<const N: usize> Gather<N> {
                 // From the sphere to the receiver: the opposite direction turns the sign of odd bands.
                 form.iter_mut().skip(1).step_by(2).for_each(|f| *f = -*f);
                 let weights = times_bands(&basis, &form);
-                match vectors.as_chunks::<N>().0 {
+                let radiance = match vectors.as_chunks::<N>().0 {
                     [grey] => [dot_with(&weights, grey); 3],
                     channels => std::array::from_fn(|c| dot_with(&weights, &channels[c])),
-                }
+                };
+                radiance.map(|l| l * f32x8::splat(blocker.reflection_factor))
             });
             self.places[blocker.emitter as usize] = self.entries.len() as u32;
             self.entries.push(Entry {
@@ -136,14 +137,34 @@ impl<const N: usize> Gather<N> {
     /// Outgoing radiance of white receivers, by channel, after [`Self::see`].
     #[inline(never)]
     pub(in crate::sh_exp) fn radiance(&mut self, reflections: &Reflections, normal: &[f32x8; 3]) -> [f32x8; 3] {
-        let brdf = times_bands(&kernel::basis::<f32x8, N>(*normal), &reflections.cosine);
+        let mut radiance = [f32x8::ZERO; 3];
+        if (reflections.walk, reflections.intersections) == (Walk::Linear, Intersections::Ordered) {
+            self.walk();
+            return self.handed_on(&reflections.exponential, &reflections.brdf(normal));
+        }
+        self.each_visible(reflections, normal, |entry, visible| {
+            radiance.iter_mut().zip(entry.radiance).for_each(|(sum, l)| *sum = l.mul_add(visible, *sum));
+        });
+        radiance
+    }
+
+    /// Sum over channels of what each sphere radiates to the receiver in the first lane, after [`Self::see`].
+    pub(in crate::sh_exp) fn parts(&mut self, reflections: &Reflections, normal: &[f32x8; 3]) -> Vec<(u32, f32)> {
+        let mut parts = Vec::with_capacity(self.entries.len());
+        self.each_visible(reflections, normal, |entry, visible| {
+            let [r, g, b] = entry.radiance;
+            parts.push((entry.sphere, ((r + g + b) * visible).as_array()[0]));
+        });
+        parts
+    }
+
+    /// Calls `each` with every sphere that shines and its Ṽ.
+    #[inline(always)]
+    fn each_visible(&mut self, reflections: &Reflections, normal: &[f32x8; 3], mut each: impl FnMut(&Entry<N>, f32x8)) {
+        let brdf = reflections.brdf(normal);
         if reflections.walk == Walk::Linear {
             self.walk();
-            if reflections.intersections == Intersections::Ordered {
-                return self.handed_on(&reflections.exponential, &brdf);
-            }
         }
-        let mut radiance = [f32x8::ZERO; 3];
         for (place, entry) in self.entries.iter().enumerate().filter(|(_, entry)| entry.shines) {
             let before = match reflections.walk {
                 Walk::Linear => self.running_sum(place, reflections.skipped(entry.sphere)),
@@ -151,10 +172,8 @@ impl<const N: usize> Gather<N> {
             };
             let after = plus(&before, &entry.log);
             let exponential = &reflections.exponential;
-            let visible = exponential.evaluate_dot(&before, &brdf) - exponential.evaluate_dot(&after, &brdf);
-            radiance.iter_mut().zip(entry.radiance).for_each(|(sum, l)| *sum = l.mul_add(visible, *sum));
+            each(entry, exponential.evaluate_dot(&before, &brdf) - exponential.evaluate_dot(&after, &brdf));
         }
-        radiance
     }
 
     /// S_i of an entry, sphere by sphere.
@@ -281,6 +300,14 @@ impl<const N: usize> Gather<N> {
             }
         }
         radiance.map(f32x8::from)
+    }
+}
+
+impl Reflections {
+    /// ρ_n of eight normals.
+    #[inline(always)]
+    fn brdf<const N: usize>(&self, normal: &[f32x8; 3]) -> ShBatch<N> {
+        times_bands(&kernel::basis::<f32x8, N>(*normal), &self.cosine)
     }
 }
 

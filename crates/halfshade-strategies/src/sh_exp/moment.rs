@@ -1,0 +1,39 @@
+//! What a frame's preparation depends on, so that a frame in which nothing moved costs nothing.
+
+use glam::Quat;
+use halfshade_scene::{Environment, Frame, Pose, SphereSet};
+use std::sync::Arc;
+
+/// Poses, spheres and light of the frame that was prepared last.
+#[derive(Debug, Clone)]
+pub(super) struct Moment {
+    poses: Vec<Pose>,
+    spheres: Vec<Option<Arc<SphereSet>>>,
+    environment: Environment,
+    world_from_environment: Quat,
+}
+
+impl Moment {
+    pub(super) fn of(frame: &Frame<'_>) -> Self {
+        Self {
+            poses: frame.world_from_object.clone(),
+            spheres: frame.scene.objects.iter().map(|object| object.spheres.clone()).collect(),
+            environment: frame.scene.environment.clone(),
+            world_from_environment: frame.world_from_environment,
+        }
+    }
+
+    /// Whether `frame` is the same moment. Sphere sets are compared by their place in memory.
+    pub(super) fn is(&self, frame: &Frame<'_>) -> bool {
+        let (environment, objects) = (&frame.scene.environment, &frame.scene.objects);
+        let same_spheres = |(known, object): (&Option<Arc<SphereSet>>, &halfshade_scene::Object)| {
+            known.as_ref().map(Arc::as_ptr) == object.spheres.as_ref().map(Arc::as_ptr)
+        };
+        self.poses == frame.world_from_object
+            && self.spheres.len() == objects.len()
+            && self.spheres.iter().zip(objects).all(same_spheres)
+            && self.world_from_environment == frame.world_from_environment
+            && self.environment.sun == environment.sun
+            && self.environment.base.is_same_as(&environment.base)
+    }
+}
