@@ -23,6 +23,7 @@
 //! [[scene]]
 //! name = "vases"                     # built-in, or a scene or mesh file relative to this file
 //! bounces = 1                        # diffuse bounces of light, if other than the scene's own
+//! spheres = 64                       # leaf spheres in all, shared out among the objects as the scene's own are
 //! [[scene.published]]
 //! method = "Ren et al. pixel shader"
 //! hardware = "GeForce 8800 GTX"
@@ -95,6 +96,8 @@ pub struct SceneEntry {
     pub frames: Option<Vec<usize>>,
     /// Diffuse bounces of light, if other than the scene's.
     pub bounces: Option<Spanned<usize>>,
+    /// Leaf spheres in all, if other than the scene's; then the scene's name says so.
+    pub spheres: Option<NonZeroUsize>,
     /// Published figures to stand beside ours.
     #[serde(default)]
     pub published: Vec<Published>,

@@ -14,6 +14,19 @@ const FIRST_SAMPLES: usize = 256;
 /// `--quick` divides samples per receiver by this.
 const QUICK_SAMPLES: usize = 8;
 
+/// Gives the scene's blockers `count` spheres in all, or one each if that is more, in proportion to what they have.
+fn share_out_spheres(scene: &mut Scene, count: usize) {
+    let total: usize = scene.objects.iter().map(|object| object.sphere_count).sum();
+    let (mut own, mut given) = (0, 0);
+    for object in scene.objects.iter_mut().filter(|object| object.sphere_count > 0) {
+        // Rounded so that the sums are right, not each share.
+        own += object.sphere_count;
+        object.sphere_count = (own * count / total).saturating_sub(given).max(1);
+        given += object.sphere_count;
+    }
+    scene.name = format!("{}, {count} spheres", scene.name);
+}
+
 /// All that is to be done.
 #[derive(Debug)]
 pub struct Plan {
@@ -75,6 +88,9 @@ impl Plan {
                     let problem = format!("bounces = {}: at most {MAX_BOUNCES}", scene.bounces);
                     return Err(experiment.error_at(bounces.span().start, problem));
                 }
+            }
+            if let Some(count) = entry.spheres {
+                share_out_spheres(&mut scene, count.get());
             }
             let mut frames = entry.frames.clone().unwrap_or_else(|| experiment.frames.clone());
             if let Some(past) = frames.iter().find(|frame| **frame >= scene.frame_count.max(1)) {
@@ -160,5 +176,27 @@ impl Plan {
             ReferenceKind::Bands(bands) => variant.bands() == Some(bands.get()),
             _ => true,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use halfshade_scene::builtin;
+
+    #[test]
+    fn spheres_are_shared_out_as_they_were() {
+        let counts = |scene: &Scene| -> Vec<usize> { scene.objects.iter().map(|object| object.sphere_count).collect() };
+        let scene = builtin::scene("vases").unwrap();
+        for (count, expected) in [(20, 20), (64, 64), (3, 5), (511, 511)] {
+            let mut changed = scene.clone();
+            share_out_spheres(&mut changed, count);
+            assert_eq!(counts(&changed).iter().sum::<usize>(), expected, "{count}");
+            let pairs = counts(&scene).into_iter().zip(counts(&changed));
+            assert!(pairs.clone().all(|(before, after)| (before == 0) == (after == 0)), "{pairs:?}");
+        }
+        let mut same = scene.clone();
+        share_out_spheres(&mut same, 20);
+        assert_eq!((counts(&same), same.name.as_str()), (counts(&scene), "vases, 20 spheres"));
     }
 }

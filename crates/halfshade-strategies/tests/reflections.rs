@@ -167,7 +167,6 @@ fn ratios_hide_the_borders_of_clusters() {
         let step =
             |ratios| border_step(&fine, &of(&format!("levels={levels},cut-angle=25,branching=2,ratios={ratios}")));
         let (with, without) = (step("on"), step("off"));
-        println!("{levels}, {bounces} bounces: {with} with ratios, {without} without");
         assert!(without > 1e-4 && with < 0.5 * without, "{levels}, {bounces} bounces: {with}, {without}");
     }
 }

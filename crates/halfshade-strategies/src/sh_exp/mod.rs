@@ -191,6 +191,11 @@ impl Strategy for ShExp {
                     choice(&["direct", "product"], "direct"),
                 ),
                 parameter(
+                    "radiance-bands",
+                    "reflections: bands of what each sphere radiates, at most those of visibility; 0: as many",
+                    ParameterKind::Integer { default: 0, min: 0, max: 8 },
+                ),
+                parameter(
                     "form-factor",
                     "reflections: average over a sphere weighted by the surface's cosine, or by solid angle",
                     choice(&["cosine", "solid-angle"], "solid-angle"),

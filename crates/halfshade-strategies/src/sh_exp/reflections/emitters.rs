@@ -23,6 +23,15 @@ pub(super) struct Emitters {
     stride: usize,
 }
 
+/// Of all radiance vectors.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Shape {
+    pub(super) bands: usize,
+    pub(super) channels: usize,
+    /// Coefficients that are used, the others being 0.
+    pub(super) used: usize,
+}
+
 impl Emitters {
     /// Whether nothing shines.
     pub(super) fn is_dark(&self) -> bool {
@@ -45,7 +54,7 @@ impl Emitters {
         surfaces: &[Arc<SphereSurface>],
         owners: &[u32],
         frame: &Frame<'_>,
-        (bands, channels): (usize, usize),
+        &Shape { bands, channels, used }: &Shape,
         light: &RadianceBuffer,
     ) {
         let count = bands * bands;
@@ -82,7 +91,11 @@ impl Emitters {
             *shines = sums.iter().any(|&value| value != 0.0);
             let rotation = &rotations[owners[number] as usize];
             for (vector, sum) in vectors.chunks_exact_mut(count).zip(sums.chunks_exact(count)) {
-                vector.iter_mut().zip(rotation.apply(sum)).for_each(|(value, turned)| *value = turned as f32);
+                vector
+                    .iter_mut()
+                    .zip(rotation.apply(sum))
+                    .take(used)
+                    .for_each(|(value, turned)| *value = turned as f32);
             }
         });
     }

@@ -13,7 +13,7 @@ mod geodesic;
 mod surface;
 
 use super::levels::{Level, Levels};
-use emitters::Emitters;
+use emitters::{Emitters, Shape};
 use halfshade_scene::{Frame, Object, RadianceBuffer, ReceiverBuffer, Scene, Sphere};
 use halfshade_sh::{
     blocker_table::BlockerTable,
@@ -33,6 +33,8 @@ use gather::{Intersections, Order, Walk};
 pub(super) struct Reflections {
     pub(super) bounces: usize,
     bands: usize,
+    /// Coefficients of a radiance vector that are not 0.
+    radiance_coefficients: usize,
     /// 1 if neither light nor surfaces have colours, else 3.
     channels: usize,
     exponential: BatchExponential,
@@ -119,6 +121,10 @@ impl Reflections {
         Self {
             bounces,
             bands,
+            radiance_coefficients: match params.integer("radiance-bands") {
+                0 => bands * bands,
+                radiance_bands => (radiance_bands * radiance_bands) as usize,
+            },
             channels,
             exponential,
             table,
@@ -147,7 +153,8 @@ impl Reflections {
 
     /// Lets the spheres shine by the `light` at their sample points.
     pub(super) fn shine(&mut self, frame: &Frame<'_>, light: &RadianceBuffer) {
-        self.emitters.set(&self.surfaces, &self.owners, frame, (self.bands, self.channels), light);
+        let shape = Shape { bands: self.bands, channels: self.channels, used: self.radiance_coefficients };
+        self.emitters.set(&self.surfaces, &self.owners, frame, &shape, light);
     }
 
     /// Whether any sphere shines.
