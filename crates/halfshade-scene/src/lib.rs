@@ -18,6 +18,7 @@ pub mod progress;
 pub mod receivers;
 pub mod scene;
 pub mod spheres;
+pub mod texture;
 
 pub use cache::{Cache, CacheOutcome};
 pub use camera::Camera;
@@ -33,3 +34,4 @@ pub use progress::Progress;
 pub use receivers::{RadianceBuffer, RadianceMut, ReceiverBuffer, Receivers};
 pub use scene::{Object, Scene};
 pub use spheres::{Sphere, SphereSet};
+pub use texture::Texture;

@@ -52,17 +52,33 @@ pub struct Scene {
 impl Object {
     /// Albedo at a vertex of the mesh.
     pub fn albedo_at_vertex(&self, vertex: usize) -> Vec3 {
-        self.material.albedo * self.mesh.colors.get(vertex).copied().unwrap_or(Vec3::ONE)
+        let color = self.mesh.colors.get(vertex).copied().unwrap_or(Vec3::ONE);
+        let coordinates = self.mesh.texture_coordinates.get(vertex);
+        self.material.albedo * color * coordinates.map_or(Vec3::ONE, |place| self.texel(place.as_dvec3()))
     }
 
     /// Albedo on a triangle of the mesh, at the point that has these weights of its vertices.
     pub fn albedo_at(&self, triangle: usize, weights: DVec3) -> Vec3 {
-        if self.mesh.colors.is_empty() {
-            return self.material.albedo;
+        let Mesh { colors, texture_coordinates, .. } = &*self.mesh;
+        let [a, b, c] = self.mesh.triangles[triangle].map(|vertex| vertex as usize);
+        let mixed = |list: &[Vec3]| {
+            weights.x * list[a].as_dvec3() + weights.y * list[b].as_dvec3() + weights.z * list[c].as_dvec3()
+        };
+        let mut albedo = self.material.albedo;
+        if !colors.is_empty() {
+            albedo *= mixed(colors).as_vec3();
         }
-        let corners = self.mesh.triangles[triangle].map(|vertex| self.mesh.colors[vertex as usize].as_dvec3());
-        let color = corners.into_iter().zip(weights.to_array()).map(|(color, weight)| weight * color).sum::<DVec3>();
-        self.material.albedo * color.as_vec3()
+        if !texture_coordinates.is_empty() {
+            albedo *= self.texel(mixed(texture_coordinates));
+        }
+        albedo
+    }
+
+    /// The texture at a coordinate as [`Mesh::texture_coordinates`] has them; white without one.
+    fn texel(&self, coordinate: DVec3) -> Vec3 {
+        let own = || self.mesh.textures.get(coordinate.z.round() as usize);
+        let texture = self.material.texture.as_ref().or_else(own);
+        texture.map_or(Vec3::ONE, |texture| texture.at(coordinate.truncate()))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use halfshade_scene::light::{Projection, load_probe};
-use halfshade_scene::{SceneError, builtin, file, mesh};
+use halfshade_scene::{SceneError, Texture, builtin, file, mesh};
 use proptest::prelude::*;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -59,9 +59,18 @@ static SOUND: LazyLock<Vec<(&'static str, Vec<u8>)>> = LazyLock::new(|| {
                  rotate = [0, 1, 0, 30]\n[environment]\nsky = { turbidity = 3, resolution = 8 }\n[[light]]\n\
                  sphere = { center = [0, 3, 0], radius = 0.5 }\nradiance = [1, 2, 3]\n[camera]\neye = [0, 1, 4]\n\
                  target = [0, 0.5, 0]\nresolution = [8, 6]\n";
+    files.push(("sound.png", picture(image::ImageFormat::Png)));
+    files.push(("sound.jpg", picture(image::ImageFormat::Jpeg)));
     files.push(("scene.toml", scene.as_bytes().to_vec()));
     files
 });
+
+fn picture(format: image::ImageFormat) -> Vec<u8> {
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    let image = image::RgbImage::from_fn(9, 7, |x, y| image::Rgb([(x * 28) as u8, (y * 36) as u8, (x * y) as u8]));
+    image.write_to(&mut bytes, format).unwrap();
+    bytes.into_inner()
+}
 
 fn tetrahedron() -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let positions = vec![Vec3::ZERO, Vec3::new(1.5, 0.25, 0.0), Vec3::new(0.0, 1.25, 0.5), Vec3::new(0.0, 0.0, 1.75)];
@@ -111,6 +120,7 @@ fn load(path: &Path) -> Result<(), SceneError> {
             let angular = path.file_name().is_some_and(|name| name.to_string_lossy().contains("angular"));
             load_probe(path, if angular { Projection::Angular } else { Projection::LatLong }, 0.0).map(drop)
         }
+        Some("png" | "jpg") => Texture::load(path).map(drop),
         _ => mesh::load(path).map(drop),
     }
 }
@@ -152,7 +162,8 @@ fn files_cut_anywhere_are_refused() {
     for (name, bytes) in SOUND.iter().filter(|(name, _)| *name != "scene.toml") {
         // Text without its last line break, or with fewer digits in its last number, can't be told from a whole file.
         let text = name.ends_with(".obj") || *name == "ascii.ply";
-        let last = bytes.len() - if text { 3 } else { 0 };
+        // Without its last check sum a PNG still has all of its texels.
+        let last = bytes.len() - if text { 3 } else { 4 * usize::from(*name == "sound.png") };
         for end in 0..last {
             // An OBJ that ends after a whole face is a smaller mesh; see the next test for where that is noticed.
             let whole_lines = *name == "sound.obj" && bytes[..end].windows(2).any(|pair| pair == b"f ");
@@ -170,7 +181,7 @@ fn an_obj_cut_within_a_line_with_faces_missing_is_refused() {
 
 #[test]
 fn garbage_empty_missing_and_unknown_files_are_named() {
-    for name in ["g.obj", "g.ply", "g.gltf", "g.glb", "g.hdr", "g.exr"] {
+    for name in ["g.obj", "g.ply", "g.gltf", "g.glb", "g.hdr", "g.exr", "g.png", "g.jpg"] {
         error_of(name, b"");
         error_of(name, b"\0\x01\x02garbage \xff\xfe\n\n\n\x80");
         error_of(name, &[0xff; 4096]);
@@ -239,6 +250,40 @@ fn scene_files_find_their_meshes_beside_them() {
     assert!(builtin::SHAPES.iter().all(|shape| {
         file::load(&written(&folder, "s.toml", format!("[[object]]\nshape = \"{shape}\"").as_bytes())).is_ok()
     }));
+}
+
+#[test]
+fn a_scene_file_textures_a_mesh_that_has_coordinates() {
+    let folder = tempfile::tempdir().unwrap();
+    let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0.25 1\nvt 0.75 1\nvt 1.25 1\nf 1/1 2/2 3/3\n";
+    written(&folder, "t.obj", obj.as_bytes());
+    let mut png = std::io::Cursor::new(Vec::new());
+    let image = image::GrayImage::from_fn(2, 1, |x, _| image::Luma([255 * x as u8]));
+    image.write_to(&mut png, image::ImageFormat::Png).unwrap();
+    written(&folder, "t.png", &png.into_inner());
+    let read = |texture: &str| {
+        let text = format!("[[object]]\nmesh = \"t.obj\"\nalbedo = [1, 0.5, 0]\nalbedo_texture = \"{texture}\"\n");
+        file::load(&written(&folder, "t.toml", text.as_bytes()))
+    };
+    let scene = read("t.png").unwrap();
+    let object = &scene.objects[0];
+    let albedo = Vec3::new(1.0, 0.5, 0.0);
+    assert_eq!([0, 1, 2].map(|v| object.albedo_at_vertex(v)), [Vec3::ZERO, albedo, Vec3::ZERO]);
+    // Halfway from the first vertex to the second: halfway between the texels.
+    let between = object.albedo_at(0, glam::DVec3::new(0.5, 0.5, 0.0));
+    assert!(between.distance(0.5 * albedo) < 1e-6, "{between}");
+    // From the second to the third, not through the middle of their colours: a texture has its own resolution.
+    assert!(object.albedo_at(0, glam::DVec3::new(0.0, 0.9, 0.1)).distance(0.9 * albedo) < 1e-6);
+    let buffer = halfshade_scene::ReceiverBuffer::vertices(&scene.frame(0));
+    assert_eq!([0, 1, 2].map(|v| buffer.view().albedo_at(v)), [Vec3::ZERO, albedo, Vec3::ZERO]);
+
+    let missing = read("none.png").unwrap_err().to_string();
+    assert!(missing.contains("t.toml:4: ") && missing.contains("none.png: cannot be read"), "{missing}");
+    let wrong = read("t.obj").unwrap_err().to_string();
+    assert!(wrong.contains("t.obj: the image is neither PNG nor JPEG"), "{wrong}");
+    written(&folder, "t.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    let bare = read("t.png").unwrap_err().to_string();
+    assert!(bare.contains("t.toml:4: `t` has no texture coordinates"), "{bare}");
 }
 
 proptest! {

@@ -75,7 +75,7 @@ fn every_mesh_loads_with_the_counts_bounds_and_closedness_known_of_it() {
             continue;
         };
         assert_eq!((topology.vertices, topology.triangles), (distinct, triangles), "{name}");
-        // Vertices equal in all but texture coordinates are one receiver.
+        // Vertices equal in everything are one receiver.
         assert!((distinct..=stored).contains(&mesh.positions.len()), "{name}: {}", mesh.positions.len());
         assert_eq!((topology.bodies.len(), topology.boundary_edges), (bodies, rim), "{name}");
         assert_eq!((topology.is_closed(), topology.is_solid()), (rim == 0, rim == 0), "{name}");
@@ -84,6 +84,27 @@ fn every_mesh_loads_with_the_counts_bounds_and_closedness_known_of_it() {
         }
     }
     eprintln!("{} meshes loaded", files.len());
+}
+
+#[test]
+fn the_duck_has_a_yellow_body_an_orange_beak_and_black_eyes() {
+    let Some(assets) = assets() else { return };
+    let scene = file::from_mesh(&assets.join("meshes/duck.glb"), Environment::constant(Vec3::ONE)).unwrap();
+    let duck = &scene.objects[0];
+    assert_eq!((duck.mesh.textures.len(), duck.mesh.texture_coordinates.len()), (1, duck.mesh.positions.len()));
+    let colors: Vec<Vec3> =
+        (0..duck.mesh.positions.len()).map(|v| duck.albedo_at_vertex(v) / duck.material.albedo).collect();
+    let share = |fits: &dyn Fn(Vec3) -> bool| colors.iter().filter(|c| fits(**c)).count() as f64 / colors.len() as f64;
+    let (yellow, orange, black) = (
+        share(&|c| c.y > 0.5 * c.x && c.z < 0.3 * c.x && c.x > 0.5),
+        share(&|c| c.y > 0.05 * c.x && c.y < 0.4 * c.x && c.z < 0.3 * c.x && c.x > 0.3),
+        share(&|c| c.max_element() < 0.1),
+    );
+    eprintln!("yellow {yellow:.3}, orange {orange:.3}, black {black:.3}");
+    assert!(yellow > 0.5 && orange > 0.02 && black > 0.005, "{yellow} {orange} {black}");
+    // The beak is what lies foremost, along +X; its tip is orange.
+    let (tip, _) = duck.mesh.positions.iter().enumerate().max_by(|a, b| a.1.x.total_cmp(&b.1.x)).unwrap();
+    assert!(colors[tip].y < 0.4 * colors[tip].x, "{}", colors[tip]);
 }
 
 /// What is known of a probe: projection, largest value, mean weighted by solid angle.

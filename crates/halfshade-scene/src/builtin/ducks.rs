@@ -61,7 +61,7 @@ pub(super) fn scene() -> Scene {
     let mut objects = vec![Object {
         name: "ground".into(),
         mesh: Arc::new(shapes::slab(ground_half_size, [88, 80])),
-        material: Material { albedo: Vec3::new(0.50, 0.58, 0.63) },
+        material: Material::new(Vec3::new(0.50, 0.58, 0.63)),
         sphere_count: 0,
         spheres: None,
         cluster_count: 7,
@@ -70,7 +70,7 @@ pub(super) fn scene() -> Scene {
     objects.extend(DUCKS.iter().map(|one| Object {
         name: one.name.into(),
         mesh: duck.clone(),
-        material: Material { albedo: one.tint.into() },
+        material: Material::new(one.tint.into()),
         sphere_count: 10,
         spheres: None,
         cluster_count: 11,

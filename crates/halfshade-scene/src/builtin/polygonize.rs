@@ -50,6 +50,7 @@ pub(super) fn polygonize(body: &Body, cell: f64) -> Mesh {
         normals: vertices.iter().map(|(_, sample)| sample.gradient.normalize().as_vec3().normalize()).collect(),
         colors: vertices.iter().map(|(_, sample)| sample.color).collect(),
         triangles,
+        ..Mesh::default()
     }
 }
 

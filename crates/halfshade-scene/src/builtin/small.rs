@@ -62,7 +62,7 @@ pub(super) fn crowd() -> Scene {
     let mut objects = vec![Object {
         name: "plane".into(),
         mesh: Arc::new(shapes::plane(64)),
-        material: Material { albedo: Vec3::splat(0.7) },
+        material: Material::new(Vec3::splat(0.7)),
         sphere_count: 0,
         spheres: None,
         cluster_count: 8,
@@ -82,7 +82,7 @@ pub(super) fn crowd() -> Scene {
         objects.push(Object {
             name: format!("blob {number}"),
             mesh: blob.clone(),
-            material: Material { albedo: color },
+            material: Material::new(color),
             sphere_count: 4,
             spheres: None,
             cluster_count: 1,

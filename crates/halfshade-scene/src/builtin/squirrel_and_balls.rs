@@ -73,7 +73,7 @@ pub(super) fn scene() -> Scene {
         Object {
             name: "inclined box".into(),
             mesh: Arc::new(shapes::slab(ground_half_size, [92, 66])),
-            material: Material { albedo: Vec3::new(0.60, 0.56, 0.50) },
+            material: Material::new(Vec3::new(0.60, 0.56, 0.50)),
             sphere_count: 0,
             spheres: None,
             cluster_count: 5,

@@ -201,7 +201,7 @@ pub(super) fn scene() -> Scene {
     let mut objects = vec![Object {
         name: "ground".into(),
         mesh: Arc::new(shapes::slab(ground_half_size, [72, 62])),
-        material: Material { albedo: Vec3::new(0.62, 0.60, 0.56) },
+        material: Material::new(Vec3::new(0.62, 0.60, 0.56)),
         sphere_count: 0,
         spheres: None,
         cluster_count: 5,

@@ -7,7 +7,9 @@ use super::source::{Source, stem};
 use super::{DEFAULT_FRAMES_PER_SEC, DEFAULT_SPHERE_COUNT, framing};
 use crate::light::{Projection, Sky, load_probe};
 use crate::scene::MAX_BOUNCES;
-use crate::{Camera, Environment, Material, Motion, Object, Pose, Scene, SceneError, SphereLight, builtin, mesh};
+use crate::{
+    Camera, Environment, Material, Motion, Object, Pose, Scene, SceneError, SphereLight, Texture, builtin, mesh,
+};
 use glam::{Quat, Vec3};
 use std::ops::{Range, RangeInclusive};
 use std::sync::Arc;
@@ -170,6 +172,19 @@ fn object(source: &Source<'_>, table: Spanned<ObjectTable>, meshes: &mut Meshes)
         }
         _ => return Err(source.error(span, "an object needs either a mesh or a shape")),
     };
+    let mut material = Material::new(match &table.albedo {
+        Some(value) => albedo(source, "albedo", value)?,
+        None => Vec3::splat(0.8),
+    });
+    if let Some(name) = &table.albedo_texture {
+        if mesh.texture_coordinates.is_empty() {
+            let problem = format!("`{default_name}` has no texture coordinates, so that albedo_texture has no place");
+            return Err(source.error(name.span(), problem));
+        }
+        let path = source.resolve(name.get_ref());
+        let texture = Texture::load(&path).map_err(|error| named_at(source, name, error))?;
+        material.texture = Some(Arc::new(texture));
+    }
     let still = pose(source, table.translate.as_ref(), table.rotate.as_ref(), table.scale.as_ref())?;
     let motion = match &table.keyframe {
         None => Motion::Still(still),
@@ -185,12 +200,7 @@ fn object(source: &Source<'_>, table: Spanned<ObjectTable>, meshes: &mut Meshes)
     Ok(Object {
         name: table.name.unwrap_or(default_name),
         mesh,
-        material: Material {
-            albedo: match &table.albedo {
-                Some(value) => albedo(source, "albedo", value)?,
-                None => Vec3::splat(0.8),
-            },
-        },
+        material,
         sphere_count: whole(
             source,
             "spheres",
@@ -383,6 +393,7 @@ mod tests {
             ("albedo = [1, 1.1, 0]", 3, &["albedo", "[0, 1]"]),
             ("albedo = [1, nan, 0]", 3, &["albedo"]),
             ("albedo = [1, 1]", 3, &[]),
+            ("albedo_texture = \"x.png\"", 3, &["`box` has no texture coordinates"]),
             ("scale = 0", 3, &["scale", "positive"]),
             ("scale = -1", 3, &["scale"]),
             ("scale = inf", 3, &["scale"]),

@@ -28,6 +28,7 @@ pub(super) struct ObjectTable {
     pub(super) mesh: At<String>,
     pub(super) shape: At<String>,
     pub(super) albedo: At<[f32; 3]>,
+    pub(super) albedo_texture: At<String>,
     pub(super) spheres: At<i64>,
     pub(super) clusters: At<i64>,
     pub(super) translate: At<[f32; 3]>,

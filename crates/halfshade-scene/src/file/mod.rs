@@ -11,6 +11,8 @@
 //! mesh = "bunny.obj"                # or shape = "sphere"|"plane"|"box"|..: see builtin::SHAPES
 //! name = "bunny"                    # default: the mesh's or the shape's name
 //! albedo = [0.7, 0.5, 0.4]          # in [0, 1]; default 0.8
+//! albedo_texture = "bunny.png"      # PNG or JPEG, multiplies the albedo; for meshes with texture coordinates, in place
+//!                                   # of the textures that a glTF brings
 //! spheres = 64                      # leaf spheres; 0: receives only. Default 64, of a plane 0
 //! clusters = 0                      # receiver clusters; 0: left to the strategy
 //! translate = [0, 0, 0]
@@ -78,7 +80,7 @@ pub fn from_mesh(path: &Path, environment: Environment) -> Result<Scene, SceneEr
     let ground = Object {
         name: "ground".to_owned(),
         mesh: Arc::new(builtin::shapes::plane(128)),
-        material: Material { albedo: Vec3::splat(0.5) },
+        material: Material::new(Vec3::splat(0.5)),
         sphere_count: 0,
         spheres: None,
         cluster_count: 0,
@@ -91,7 +93,7 @@ pub fn from_mesh(path: &Path, environment: Environment) -> Result<Scene, SceneEr
     let object = Object {
         name: name.clone(),
         mesh: Arc::new(mesh),
-        material: Material { albedo: Vec3::splat(0.8) },
+        material: Material::new(Vec3::splat(0.8)),
         sphere_count: DEFAULT_SPHERE_COUNT,
         spheres: None,
         cluster_count: 0,

@@ -2,9 +2,10 @@
 
 use super::weld::position_key;
 use super::{Mesh, repaired, smooth_normals, weld};
-use crate::SceneError;
+use crate::{SceneError, Texture};
 use glam::Vec3;
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// Coordinates beyond this would overflow f32 once multiplied three times, as volumes are.
 const LARGEST_COORDINATE: f32 = 1e12;
@@ -18,6 +19,10 @@ pub(super) struct RawMesh {
     pub(super) normals: Vec<Vec3>,
     /// Colours; empty, or one per position.
     pub(super) colors: Vec<Vec3>,
+    /// As in [`Mesh`], possibly not finite.
+    pub(super) texture_coordinates: Vec<Vec3>,
+    /// As in [`Mesh`].
+    pub(super) textures: Vec<Arc<Texture>>,
     /// Triangles, with indices as read.
     pub(super) triangles: Vec<[u32; 3]>,
     /// What the file calls a vertex's place, for messages: its line number by vertex, where there are lines.
@@ -26,7 +31,14 @@ pub(super) struct RawMesh {
 
 /// Checks, repairs and completes a mesh; see [`super::load`].
 pub(super) fn assemble(raw: RawMesh) -> Result<(Mesh, Vec<String>), SceneError> {
-    let RawMesh { positions, normals, colors, triangles, lines } = raw;
+    let RawMesh { positions, normals, colors, texture_coordinates, textures, triangles, lines } = raw;
+    let about = |index: usize, problem: String| {
+        let error = SceneError::new(problem).with_remedy("repair or rescale the mesh in the program that wrote it");
+        match lines.get(index) {
+            Some(line) => error.at_line(*line),
+            None => error,
+        }
+    };
     if let Some((index, position)) =
         positions.iter().enumerate().find(|(_, p)| !(p.abs().max_element() <= LARGEST_COORDINATE && p.is_finite()))
     {
@@ -35,11 +47,10 @@ pub(super) fn assemble(raw: RawMesh) -> Result<(Mesh, Vec<String>), SceneError> 
         } else {
             format!("vertex {index} has a coordinate that is not a finite number: {position}")
         };
-        let error = SceneError::new(problem).with_remedy("repair or rescale the mesh in the program that wrote it");
-        return Err(match lines.get(index) {
-            Some(line) => error.at_line(*line),
-            None => error,
-        });
+        return Err(about(index, problem));
+    }
+    if let Some(index) = texture_coordinates.iter().position(|coordinate| !coordinate.is_finite()) {
+        return Err(about(index, format!("vertex {index} has a texture coordinate that is not a finite number")));
     }
     if let Some((index, triangle)) =
         triangles.iter().enumerate().find(|(_, t)| t.iter().any(|&v| v as usize >= positions.len()))
@@ -52,7 +63,7 @@ pub(super) fn assemble(raw: RawMesh) -> Result<(Mesh, Vec<String>), SceneError> 
     if triangles.is_empty() {
         return Err(SceneError::new("the mesh has no triangles"));
     }
-    let (mesh, notes) = repaired(&Mesh { positions, normals, colors, triangles });
+    let (mesh, notes) = repaired(&Mesh { positions, normals, colors, texture_coordinates, textures, triangles });
     if mesh.triangles.is_empty() {
         return Err(SceneError::new("no triangle of the mesh has an area"));
     }
@@ -79,17 +90,19 @@ fn with_unit_normals(mut mesh: Mesh) -> Mesh {
 
 /// The same mesh without unused vertices, and with one vertex where several were equal in everything.
 fn compacted(mesh: Mesh) -> Mesh {
-    let mut result = Mesh::default();
-    let mut index_of: HashMap<[[u32; 3]; 3], u32> = HashMap::with_capacity(mesh.positions.len());
+    let mut result = Mesh { textures: mesh.textures, ..Mesh::default() };
+    let mut index_of: HashMap<[[u32; 3]; 4], u32> = HashMap::with_capacity(mesh.positions.len());
     for triangle in &mesh.triangles {
         result.triangles.push(triangle.map(|v| {
             let v = v as usize;
-            let (position, normal, color) = (mesh.positions[v], mesh.normals[v], mesh.colors.get(v).copied());
-            let key = [position, normal, color.unwrap_or_default()].map(position_key);
+            let (position, normal) = (mesh.positions[v], mesh.normals[v]);
+            let (color, place) = (mesh.colors.get(v).copied(), mesh.texture_coordinates.get(v).copied());
+            let key = [position, normal, color.unwrap_or_default(), place.unwrap_or_default()].map(position_key);
             *index_of.entry(key).or_insert_with(|| {
                 result.positions.push(position);
                 result.normals.push(normal);
                 result.colors.extend(color);
+                result.texture_coordinates.extend(place);
                 result.positions.len() as u32 - 1
             })
         }));
@@ -106,8 +119,8 @@ mod tests {
     use crate::builtin::shapes;
 
     fn raw(mesh: Mesh) -> RawMesh {
-        let Mesh { positions, normals, colors, triangles } = mesh;
-        RawMesh { positions, normals, colors, triangles, lines: Vec::new() }
+        let Mesh { positions, normals, colors, texture_coordinates, textures, triangles } = mesh;
+        RawMesh { positions, normals, colors, texture_coordinates, textures, triangles, lines: Vec::new() }
     }
 
     #[test]
@@ -139,6 +152,33 @@ mod tests {
     }
 
     #[test]
+    fn vertices_stay_split_where_texture_coordinates_jump_and_repair_keeps_them() {
+        let plane = shapes::plane(2);
+        let place = |p: &Vec3| Vec3::new(0.5 + 0.5 * p.x, 0.5 + 0.5 * p.z, 0.0);
+        // Each triangle has its own three vertices; those right of the middle have another island's coordinates.
+        let mut split = Mesh::default();
+        for (t, triangle) in plane.triangles.iter().enumerate() {
+            let corners = triangle.map(|v| plane.positions[v as usize]);
+            let island = if corners.iter().map(|p| p.x).sum::<f32>() > 0.0 { 5.0 * Vec3::X } else { Vec3::ZERO };
+            split.positions.extend(corners);
+            split.texture_coordinates.extend(corners.map(|p| place(&p) + island));
+            let first = 3 * t as u32;
+            split.triangles.push([first, first + 1, first + 2]);
+        }
+        // Damage that repair undoes.
+        split.triangles[3].swap(0, 1);
+        let (mesh, notes) = assemble(raw(split)).unwrap();
+        // Nine places, three of them on the seam.
+        assert_eq!((mesh.positions.len(), mesh.texture_coordinates.len(), notes.len()), (12, 12, 1));
+        for triangle in &mesh.triangles {
+            let corners = triangle.map(|v| v as usize);
+            let island = corners.map(|v| (mesh.texture_coordinates[v] - place(&mesh.positions[v])).x.round());
+            let right = corners.iter().map(|&v| mesh.positions[v].x).sum::<f32>() > 0.0;
+            assert_eq!(island, [if right { 5.0 } else { 0.0 }; 3]);
+        }
+    }
+
+    #[test]
     fn what_cannot_be_a_mesh_is_refused() {
         let failure = |change: fn(&mut RawMesh)| {
             let mut raw = raw(shapes::plane(1));
@@ -150,6 +190,11 @@ mod tests {
         assert_eq!(failure(|raw| raw.positions[2].y = f32::NAN).line, Some(12));
         assert!(error(|raw| raw.positions[1].x = f32::INFINITY).contains("vertex 1"));
         assert!(error(|raw| raw.positions[1].x = 1e30).contains("too far"));
+        let error_of_place = failure(|raw| {
+            raw.texture_coordinates = vec![Vec3::ZERO; 4];
+            raw.texture_coordinates[3].y = f32::NAN;
+        });
+        assert!(error_of_place.line == Some(13) && error_of_place.problem.contains("vertex 3 has a texture"));
         assert!(error(|raw| raw.triangles[1][0] = 4).contains("triangle 1"));
         assert!(error(|raw| raw.triangles.clear()).contains("no triangles"));
         assert!(error(|raw| raw.positions.iter_mut().for_each(|p| p.x = 0.0)).contains("area"));

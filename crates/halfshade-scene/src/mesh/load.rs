@@ -11,8 +11,8 @@ pub const EXTENSIONS: &[&str] = &["obj", "ply", "gltf", "glb"];
 ///
 /// All objects of the file become one mesh. Polygons are cut into fans of triangles, which suits convex ones. The mesh
 /// is repaired as [`super::repaired`] says, unused vertices go, and vertices equal in everything become one. Normals are
-/// the file's, made unit length; where a file has none or has useless ones, [`super::smooth_normals`] fill in. Materials
-/// other than a glTF's base colour factor, textures included, are ignored.
+/// the file's, made unit length; where a file has none or has useless ones, [`super::smooth_normals`] fill in. Of
+/// materials a glTF's base colour is read, factor and texture; an OBJ's material library is not.
 ///
 /// Nothing is returned of a file that is damaged anywhere: no part of a mesh passes for the whole.
 pub fn load(path: &Path) -> Result<Mesh, SceneError> {

@@ -17,7 +17,9 @@ pub use repair::repaired;
 pub use topology::{Body, Topology};
 pub use weld::{Welded, weld};
 
+use crate::Texture;
 use glam::Vec3;
+use std::sync::Arc;
 
 /// A triangle mesh with a normal per vertex.
 ///
@@ -30,6 +32,11 @@ pub struct Mesh {
     pub normals: Vec<Vec3>,
     /// Vertex colours that multiply the albedo, in [0, 1]; empty, or one per position.
     pub colors: Vec<Vec3>,
+    /// Texture coordinates, finite: u to the right, v downward from the picture's top left corner, and the number of the
+    /// texture in `textures`, the same at the three corners of a triangle. Empty, or one per position.
+    pub texture_coordinates: Vec<Vec3>,
+    /// Textures that multiply the albedo; empty, or all that `texture_coordinates` name.
+    pub textures: Vec<Arc<Texture>>,
     /// Vertex indices of each triangle, each below `positions.len()`.
     pub triangles: Vec<[u32; 3]>,
 }

@@ -1,7 +1,7 @@
 //! Wavefront OBJ, read with `tobj`.
 //!
-//! Only geometry is read: positions (with colours, where a line has six numbers), normals and faces. Lines of all other
-//! kinds, materials among them, are blanked before `tobj` sees them; what remains is checked first, because `tobj`
+//! Only geometry is read: positions (with colours, where a line has six numbers), normals, texture coordinates and
+//! faces. Texture coordinates count only where every corner has some. Lines of all other kinds, materials among them, are blanked before `tobj` sees them; what remains is checked first, because `tobj`
 //! names no lines and takes a face cut short for a line or a point.
 
 use super::assemble::RawMesh;
@@ -34,6 +34,12 @@ pub(super) fn parse(bytes: &[u8]) -> Result<RawMesh, SceneError> {
             raw.colors.extend(vectors(&mesh.vertex_color).iter().map(|c| c.clamp(Vec3::ZERO, Vec3::ONE)));
         }
         raw.colors.resize(if raw.colors.is_empty() { 0 } else { count }, Vec3::ONE);
+        if 3 * mesh.texcoords.len() == 2 * mesh.positions.len() {
+            // OBJ counts v from the bottom.
+            raw.texture_coordinates.resize(offset as usize, Vec3::ZERO);
+            raw.texture_coordinates.extend(mesh.texcoords.chunks_exact(2).map(|uv| Vec3::new(uv[0], 1.0 - uv[1], 0.0)));
+        }
+        raw.texture_coordinates.resize(if raw.texture_coordinates.is_empty() { 0 } else { count }, Vec3::ZERO);
         raw.triangles.extend(mesh.indices.chunks_exact(3).map(|t| [t[0] + offset, t[1] + offset, t[2] + offset]));
     }
     if raw.triangles.is_empty() {
@@ -58,27 +64,37 @@ fn checked_geometry(text: &str) -> Result<Geometry, SceneError> {
     let mut kept = String::with_capacity(text.len());
     let mut positions = 0_i64;
     let mut normals = 0_i64;
+    let mut coordinates = 0_i64;
     let mut used = Vec::new();
     // Indices may name what comes later in the file: checked at the end.
-    let (mut largest, mut largest_normal) = ((0, 0), (0, 0));
+    let (mut largest, mut largest_normal, mut largest_coordinate) = ((0, 0), (0, 0), (0, 0));
     for (line, content) in (1..).zip(text.lines()) {
         let wrong = |problem: String| SceneError::new(problem).at_line(line);
         let mut words = content.split_whitespace();
         match words.next() {
-            Some(kind @ ("v" | "vn")) => {
+            Some(kind @ ("v" | "vn" | "vt")) => {
+                let mut kept_suffix = "";
                 let mut numbers = words.take_while(|word| !word.starts_with('#')).map(str::parse::<f32>);
-                for axis in ["x", "y", "z"] {
+                let axes: &[&str] = if kind == "vt" { &["u", "v"] } else { &["x", "y", "z"] };
+                for axis in axes {
                     match numbers.next() {
                         // A normal of no use is replaced later; a position of no use can't be.
                         Some(Ok(x)) if x.is_finite() || kind == "vn" => {}
                         Some(_) => {
                             return Err(wrong(format!("{axis} is not a finite number in `{}`", shortened(content))));
                         }
+                        // A coordinate along a line has no v.
+                        None if *axis == "v" => kept_suffix = " 0",
                         None => return Err(wrong(format!("{axis} is missing in `{}`", shortened(content)))),
                     }
                 }
-                *(if kind == "v" { &mut positions } else { &mut normals }) += 1;
+                *(match kind {
+                    "v" => &mut positions,
+                    "vn" => &mut normals,
+                    _ => &mut coordinates,
+                }) += 1;
                 kept.push_str(content.split('#').next().unwrap_or_default());
+                kept.push_str(kept_suffix);
             }
             Some("f") => {
                 kept.push('f');
@@ -86,19 +102,24 @@ fn checked_geometry(text: &str) -> Result<Geometry, SceneError> {
                 for word in words.take_while(|word| !word.starts_with('#')) {
                     let mut parts =
                         word.split('/').map(|part| if part.is_empty() { Ok(0) } else { part.parse::<i64>() });
-                    let (v, _, vn) = (parts.next(), parts.next(), parts.next());
-                    let (Some(Ok(v)), Ok(vn), None) = (v, vn.unwrap_or(Ok(0)), parts.next()) else {
+                    let (v, vt, vn) = (parts.next(), parts.next(), parts.next());
+                    let (Some(Ok(v)), Ok(vt), Ok(vn), None) =
+                        (v, vt.unwrap_or(Ok(0)), vn.unwrap_or(Ok(0)), parts.next())
+                    else {
                         return Err(wrong(format!("`{}` is no corner of a face", shortened(word))));
                     };
                     let v = if v < 0 { positions.saturating_add(v).saturating_add(1) } else { v };
                     let vn = if vn < 0 { normals.saturating_add(vn).saturating_add(1).max(-1) } else { vn };
-                    if v <= 0 || vn < 0 {
+                    let vt = if vt < 0 { coordinates.saturating_add(vt).saturating_add(1).max(-1) } else { vt };
+                    if v <= 0 || vn < 0 || vt < 0 {
                         return Err(wrong(format!("`{}` names a vertex before the first", shortened(word))));
                     }
                     largest = largest.max((v, line));
                     largest_normal = largest_normal.max((vn, line));
+                    largest_coordinate = largest_coordinate.max((vt, line));
                     used.push(v);
-                    kept.push_str(&if vn == 0 { format!(" {v}") } else { format!(" {v}//{vn}") });
+                    let named = |index: i64| if index == 0 { String::new() } else { index.to_string() };
+                    kept.push_str(&format!(" {v}/{}/{}", named(vt), named(vn)));
                     corners += 1;
                 }
                 if corners < 3 {
@@ -109,7 +130,11 @@ fn checked_geometry(text: &str) -> Result<Geometry, SceneError> {
         }
         kept.push('\n');
     }
-    for ((index, line), count, what) in [(largest, positions, "vertex"), (largest_normal, normals, "normal")] {
+    for ((index, line), count, what) in [
+        (largest, positions, "vertex"),
+        (largest_normal, normals, "normal"),
+        (largest_coordinate, coordinates, "texture coordinate"),
+    ] {
         if index > count {
             return Err(SceneError::new(format!("{what} {index} is named, but there are only {count}")).at_line(line));
         }
@@ -159,7 +184,8 @@ impl BufRead for Lines<'_> {
 mod tests {
     use super::*;
 
-    const SQUARE: &str = "# a square\r\nmtllib none.mtl\r\nv 0 0 0\r\nv 1 0 0\r\nv 1 1 0\r\nv 0 1 0\r\nusemtl x\r\nf 1/9 2/9 3/9 4/9\r\n";
+    const SQUARE: &str =
+        "# a square\r\nmtllib none.mtl\r\nv 0 0 0\r\nv 1 0 0\r\nv 1 1 0\r\nv 0 1 0\r\nusemtl x\r\nf 1 2 3 4\r\n";
 
     #[test]
     fn quads_carriage_returns_and_absent_materials_are_fine() {
@@ -177,6 +203,21 @@ mod tests {
     }
 
     #[test]
+    fn texture_coordinates_have_their_own_indices_and_v_is_turned_downward() {
+        let text =
+            "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0.25 0.75\nvt 1 0 0\nvt 0.5\nf 1/1 2/2 3/-1\nf 1/2 3/3 4/1\n";
+        let raw = parse(text.as_bytes()).unwrap();
+        // The first vertex is split: its coordinates differ between the triangles. The third's are the same.
+        let at = |t: usize| raw.triangles[t].map(|v| raw.texture_coordinates[v as usize].truncate().to_array());
+        assert_eq!(at(0), [[0.25, 0.25], [1.0, 1.0], [0.5, 1.0]]);
+        assert_eq!(at(1), [[1.0, 1.0], [0.5, 1.0], [0.25, 0.25]]);
+        assert_eq!(raw.positions.len(), 5);
+        // Where some corner has none, there are none.
+        let partly = parse(text.replace("3/3", "3").as_bytes()).unwrap();
+        assert!(partly.texture_coordinates.is_empty() && partly.triangles.len() == 2);
+    }
+
+    #[test]
     fn mistakes_are_named_with_their_lines() {
         for (text, line, part) in [
             ("v 0 0 0\nv 1 0\n", 2, "z is missing"),
@@ -188,6 +229,8 @@ mod tests {
             ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1//1 2//1 3//1\n", 4, "normal 1"),
             ("v 0 0 0\nv 1 0 0\nf 1 2\n", 3, "three corners"),
             ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 x\n", 4, "no corner"),
+            ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2/1 3/1\n", 4, "texture coordinate 1"),
+            ("v 0 0 0\nvt nan 0\n", 2, "u is not a finite"),
             ("v 0 0 0 1 1\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", 1, "color"),
         ] {
             let error = parse(text.as_bytes()).unwrap_err();

@@ -12,6 +12,8 @@ struct Record {
     position: [f64; 3],
     normal: [f64; 3],
     color: [f64; 3],
+    /// u, and v upward.
+    coordinate: [f64; 3],
     corners: Option<Vec<i64>>,
 }
 
@@ -31,6 +33,8 @@ impl PropertyAccess for Record {
             "red" | "diffuse_red" | "r" => (&mut self.color, 0, true),
             "green" | "diffuse_green" | "g" => (&mut self.color, 1, true),
             "blue" | "diffuse_blue" | "b" => (&mut self.color, 2, true),
+            "u" | "s" | "texture_u" => (&mut self.coordinate, 0, false),
+            "v" | "t" | "texture_v" => (&mut self.coordinate, 1, false),
             "vertex_indices" | "vertex_index" => {
                 self.corners = whole_numbers(property);
                 return if self.corners.is_some() {
@@ -88,6 +92,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<RawMesh, SceneError> {
     let has = |name: &str| vertices.properties.contains_key(name);
     let has_normals = has("nx") && has("ny") && has("nz");
     let has_colors = ["red", "diffuse_red", "r"].iter().any(|name| has(name));
+    let has_coordinates = [["u", "v"], ["s", "t"], ["texture_u", "texture_v"]].iter().any(|[u, v]| has(u) && has(v));
     if !header.elements.contains_key("face") {
         return Err(SceneError::new("the header declares no element `face`")
             .with_remedy("triangle strips and point clouds are not supported; export polygons"));
@@ -111,6 +116,10 @@ pub(super) fn parse(bytes: &[u8]) -> Result<RawMesh, SceneError> {
                 }
                 if has_colors {
                     raw.colors = records.iter().map(|record| vector(record.color)).collect();
+                }
+                if has_coordinates {
+                    let from_top = |[u, v, _]: [f64; 3]| Vec3::new(u as f32, (1.0 - v) as f32, 0.0);
+                    raw.texture_coordinates = records.iter().map(|record| from_top(record.coordinate)).collect();
                 }
                 if ascii {
                     raw.lines = (first_line..).take(records.len()).collect();
@@ -209,6 +218,19 @@ mod tests {
             assert_eq!(raw.triangles, [[0, 1, 2], [0, 2, 3]]);
             assert_eq!((raw.colors[0], raw.colors[3]), (Vec3::X, Vec3::splat(0.2)));
         }
+    }
+
+    #[test]
+    fn texture_coordinates_are_read_with_v_turned_downward() {
+        for [u, v] in [["u", "v"], ["s", "t"], ["texture_u", "texture_v"]] {
+            let text = ascii()
+                .replace("property uchar green", &format!("property float {u}"))
+                .replace("property uchar blue", &format!("property float {v}"));
+            let raw = parse(text.replace("0 0 0 255 0 0", "0 0 0 255 0.25 0.75").as_bytes()).unwrap();
+            assert_eq!(raw.texture_coordinates[0], Vec3::new(0.25, 0.25, 0.0));
+            assert_eq!(raw.texture_coordinates[3], Vec3::new(51.0, -50.0, 0.0));
+        }
+        assert!(parse(ascii().as_bytes()).unwrap().texture_coordinates.is_empty());
     }
 
     #[test]

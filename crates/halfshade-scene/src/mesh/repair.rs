@@ -140,8 +140,8 @@ mod tests {
         Mesh {
             positions: [&a.positions[..], &b.positions].concat(),
             normals: [&a.normals[..], &b.normals].concat(),
-            colors: Vec::new(),
             triangles: a.triangles.iter().copied().chain(b.triangles.iter().map(|t| t.map(|v| v + offset))).collect(),
+            ..Mesh::default()
         }
     }
 

@@ -46,7 +46,7 @@ pub(crate) fn icosphere(depth: usize) -> Mesh {
             .collect();
     }
     let positions: Vec<Vec3> = points.iter().map(|p| p.as_vec3()).collect();
-    Mesh { normals: positions.clone(), positions, colors: Vec::new(), triangles }
+    Mesh { normals: positions.clone(), positions, triangles, ..Mesh::default() }
 }
 
 /// The square y = 0, |x|, |z| ≤ 1, facing +Y, of `n` by `n` cells.
