@@ -16,7 +16,7 @@ fn ball(center: Vec3, radius: f32, albedo: Vec3) -> Object {
     Object {
         name: "ball".into(),
         mesh: Arc::new(shapes::sphere(20)),
-        material: Material { albedo },
+        material: Material::new(albedo),
         sphere_count: 1,
         spheres: Some(Arc::new(set)),
         cluster_count: 1,
@@ -168,5 +168,78 @@ fn ratios_hide_the_borders_of_clusters() {
             |ratios| border_step(&fine, &of(&format!("levels={levels},cut-angle=25,branching=2,ratios={ratios}")));
         let (with, without) = (step("on"), step("off"));
         assert!(without > 1e-4 && with < 0.5 * without, "{levels}, {bounces} bounces: {with}, {without}");
+    }
+}
+
+/// A white sphere mesh of radius 1 about (0, 1.2, 0) that any spheres stand for, scaled about the origin and moved.
+fn stood_for(spheres: Vec<Sphere>, albedo: f32, scale: f32, shift: Vec3) -> Scene {
+    let object = Object {
+        name: "object".into(),
+        mesh: Arc::new(shapes::sphere(12)),
+        material: Material::new(Vec3::splat(albedo)),
+        sphere_count: spheres.len(),
+        spheres: Some(Arc::new(SphereSet { spheres, ..SphereSet::default() })),
+        cluster_count: 2,
+        motion: Motion::Still(Pose { scale, ..Pose::from_translation(scale * (1.2 * Vec3::Y) + shift) }),
+    };
+    scene(vec![object], 3)
+}
+
+/// Spheres on a shell about the origin.
+fn shell(count: usize, shell_radius: f32, radius: f32) -> Vec<Sphere> {
+    let place = |i: usize| {
+        let y = 1.0 - (2.0 * i as f32 + 1.0) / count as f32;
+        let (sin, cos) = (2.399_963 * i as f32).sin_cos();
+        let across = (1.0 - y * y).sqrt();
+        Sphere { center: shell_radius * Vec3::new(across * cos, y, across * sin), radius }
+    };
+    (0..count).map(place).collect()
+}
+
+/// Under a constant sky of radiance 1 nothing is ever brighter than 1, whatever it is made of and however often light
+/// bounces. Band-limited visibility adds up to 0.25 to that (a receiver of twelve identical spheres) and goes down to
+/// -0.05; everything is finite.
+#[test]
+fn extremes_stay_finite_and_gain_no_energy() {
+    let unit = Sphere { center: Vec3::ZERO, radius: 1.0 };
+    let sets: [Vec<Sphere>; 6] = [
+        vec![unit],
+        vec![unit; 12],
+        (1..=10).map(|i| Sphere { radius: 0.1 * i as f32, ..unit }).collect(),
+        shell(40, 0.3, 0.8),
+        // Receivers within look out through the gaps.
+        shell(64, 3.0, 0.7),
+        shell(512, 0.9, 0.12),
+    ];
+    let here = (1.0, 1.0, Vec3::ZERO);
+    let elsewhere = [
+        (0.0, 1.0, Vec3::ZERO),
+        (1.0, 1e-3, Vec3::ZERO),
+        (1.0, 1e3, Vec3::ZERO),
+        (0.5, 1.0, Vec3::new(1e4, 0.0, -3e3)),
+    ];
+    let all_settings = [
+        "",
+        "reflection-exp=optimal-linear,walk=quadratic",
+        "intersections=ordered,order=power",
+        "levels=cluster,bands=3",
+    ];
+    let cases = sets.iter().map(|set| (set, here)).chain(elsewhere.into_iter().map(|place| (&sets[3], place)));
+    for (spheres, (albedo, scale, shift)) in cases {
+        let scene = stood_for(spheres.clone(), albedo, scale, shift);
+        let frame = scene.frame(0);
+        let mut receivers = ReceiverBuffer::vertices(&frame);
+        for i in 0..60 {
+            let place = scale * Vec3::new(0.06 * i as f32, 0.0, 0.02) + shift;
+            receivers.push(place, Vec3::Y, Vec3::ONE, 0);
+            receivers.push(place + scale * 1.2 * Vec3::Y, Vec3::new(0.6, 0.8, 0.0), Vec3::ONE, 0);
+        }
+        // Baking hundreds of spheres takes seconds.
+        let settings = if spheres.len() > 100 { &all_settings[2..3] } else { &all_settings };
+        for settings in settings {
+            let radiance = shade(&scene, &frame, &receivers, settings);
+            let wrong = radiance.channels.iter().flatten().find(|&&value| !(-0.05..1.25).contains(&value));
+            assert!(wrong.is_none(), "{} spheres, {albedo}, {scale}, {settings}: {wrong:?}", spheres.len());
+        }
     }
 }

@@ -88,8 +88,9 @@ impl Reflections {
             if params.choice("projection") == "product" { Projection::Product } else { Projection::Direct };
         let grey = |c: glam::Vec3| c.x == c.y && c.y == c.z;
         let colourless = scene.objects.iter().all(|object| {
-            object.sphere_count == 0
-                || grey(object.material.albedo) && object.mesh.colors.iter().all(|&color| grey(color))
+            let textured = object.material.texture.is_some() || !object.mesh.textures.is_empty();
+            let grey_surface = grey(object.material.albedo) && object.mesh.colors.iter().all(|&color| grey(color));
+            object.sphere_count == 0 || grey_surface && !textured
         });
         let coloured_light = Effects::required_by(scene).contains(Effect::ColouredLight);
         let channels = if colourless && !coloured_light { 1 } else { 3 };
