@@ -41,7 +41,7 @@ impl Projection {
     }
 
     /// The receivers that a camera sees through the centres of its pixels, and how they make a picture.
-    pub fn of_pixels(tracer: &Tracer, frame: &Frame<'_>, camera: &Camera) -> (ReceiverBuffer, Self) {
+    pub fn of_pixels(tracer: &Tracer, camera: &Camera) -> (ReceiverBuffer, Self) {
         let [width, height] = camera.resolution.map(|n| n as usize);
         let mut receivers = ReceiverBuffer::default();
         let hits = tracer.primary_hits(camera).into_iter().enumerate();
@@ -49,7 +49,7 @@ impl Projection {
             hit.map(|hit| {
                 let (column, row) = (pixel % width, pixel / width);
                 let direction = camera.ray_direction(column as f32 + 0.5, row as f32 + 0.5);
-                let surface = tracer.surface_at(frame, &hit, direction);
+                let surface = tracer.surface_at(&hit, direction);
                 receivers.push(surface.position, surface.normal, surface.albedo, surface.object);
                 ([receivers.len() as u32 - 1; 3], Vec3::X)
             })

@@ -204,7 +204,7 @@ impl Session<'_> {
                 (ReceiverBuffer::vertices(&frame), projection)
             }
             ReceiverKind::Pixels => {
-                let (receivers, projection) = Projection::of_pixels(&tracer, &frame, &camera);
+                let (receivers, projection) = Projection::of_pixels(&tracer, &camera);
                 (receivers, pictured.then_some(projection))
             }
         };

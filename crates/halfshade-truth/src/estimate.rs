@@ -18,8 +18,10 @@ use crate::{
     caps::Caps,
     environment::LUMINANCE,
     lights::Integral,
+    paths::Paths,
     points::{MAX_POINTS, Points, Scramble},
     receiver::Receiver,
+    sphere_albedo::SphereAlbedo,
     tracer::{Tracer, tracing_ray},
 };
 use glam::{DVec3, Vec3A};
@@ -71,6 +73,8 @@ pub struct Options {
     pub samples: usize,
     /// Go on until [`Estimate::relative_rms_standard_error`] is at most this, or `max_samples` are used up.
     pub noise_target: Option<f64>,
+    /// Diffuse bounces on top of direct light, see [`crate`]: 0 is direct light alone. As many paths as samples.
+    pub bounces: usize,
     /// Most samples per receiver and technique that a noise target may take.
     pub max_samples: usize,
     /// The same seed gives the same bits, on one thread or many, however receivers are split into batches (as long as
@@ -85,6 +89,7 @@ impl Default for Options {
             transport: Transport::Shadowed,
             samples: 1024,
             noise_target: None,
+            bounces: 0,
             max_samples: MAX_SAMPLES,
             seed: 0,
         }
@@ -152,12 +157,14 @@ fn one_round(
     let count = receivers.len();
     let shadowed = options.transport == Transport::Shadowed;
     let table = Points::first(if shadowed { points } else { 0 });
+    let on_spheres = shadowed && options.bounces > 0 && options.geometry != Geometry::Mesh;
+    let sphere_albedo = on_spheres.then(|| SphereAlbedo::new(tracer));
     progress.start("tracing", count as u64);
     let chunks: Vec<Vec<Value>> = (0..count.div_ceil(CHUNK))
         .into_par_iter()
         .map(|chunk| {
             let range = chunk * CHUNK..((chunk + 1) * CHUNK).min(count);
-            let mut worker = Worker::new(tracer, options, &table);
+            let mut worker = Worker::new(tracer, options, &table, sphere_albedo.as_ref());
             let values = range.clone().map(|i| worker.value(&receivers, i)).collect();
             progress.advance(range.len() as u64);
             values
@@ -213,11 +220,18 @@ struct Worker<'a> {
     points: &'a Points,
     caps: Caps,
     batch: Batch,
+    paths: Paths<'a>,
 }
 
 impl<'a> Worker<'a> {
-    fn new(tracer: &'a Tracer, options: &'a Options, points: &'a Points) -> Self {
-        Self { tracer, options, points, caps: Caps::default(), batch: Batch::new() }
+    fn new(
+        tracer: &'a Tracer,
+        options: &'a Options,
+        points: &'a Points,
+        sphere_albedo: Option<&'a SphereAlbedo>,
+    ) -> Self {
+        let paths = Paths::new(tracer, options, points, sphere_albedo);
+        Self { tracer, options, points, caps: Caps::default(), batch: Batch::new(), paths }
     }
 
     fn value(&mut self, receivers: &Receivers<'_>, i: usize) -> Value {
@@ -259,6 +273,10 @@ impl<'a> Worker<'a> {
                 floor_squared += (0.5 * exact / (points * REPLICATES as f64)).powf(2.0);
             }
         }
+        for (number, replicate) in replicates.iter_mut().enumerate() {
+            *replicate += self.paths.irradiance(&receiver, receivers.index[i], number as u32);
+        }
+        value.rays += std::mem::take(&mut self.paths.rays);
         let mean = replicates.iter().sum::<DVec3>() / REPLICATES as f64;
         let squares = replicates.iter().map(|r| (*r - mean) * (*r - mean)).sum::<DVec3>();
         value.irradiance = mean;
@@ -275,7 +293,7 @@ impl<'a> Worker<'a> {
         rays: &mut u64,
     ) -> [Sums; REPLICATES] {
         let mut sums = [Sums::default(); REPLICATES];
-        let Self { tracer, options, points, caps, batch } = self;
+        let Self { tracer, options, points, caps, batch, .. } = self;
         for_every_batch(tracer, integral, receiver, (options.seed, index), points, batch, |replicate, batch| {
             *rays += match options.geometry {
                 Geometry::Mesh => trace_mesh(tracer, receiver.ray_origin, batch),
@@ -313,7 +331,7 @@ pub(crate) fn for_every_batch(
 }
 
 /// Sets the visibility of every sample that carries light; returns how many rays that took.
-fn trace_mesh(tracer: &Tracer, origin: Vec3A, batch: &mut Batch) -> u64 {
+pub(crate) fn trace_mesh(tracer: &Tracer, origin: Vec3A, batch: &mut Batch) -> u64 {
     let mut rays = 0;
     let slack = 0.5 * tracer.space.surface_offset();
     for k in 0..batch.len {

@@ -6,7 +6,7 @@
 //! L = albedo/π · [ ∫ L_distant(ω) V(ω) max(n·ω, 0) dω + Σ over local lights ∫ L_light V(ω) max(n·ω, 0) dω ]
 //! ```
 //!
-//! in the units of the scene's radiance, one value and one standard error per receiver and channel. This crate shares no
+//! and, if asked for, the light that surfaces reflect b times on its way (see `paths.rs`), in the units of the scene's radiance, one value and one standard error per receiver and channel. This crate shares no
 //! code with the strategies that it judges: a shared mistake would cancel out in the score.
 //!
 //! - **Geometry**: the meshes, all of them, both faces; or the sphere sets, each sphere adjusted to the receiver.
@@ -40,10 +40,12 @@ mod estimate;
 mod inward;
 mod lights;
 mod map_irradiance;
+mod paths;
 mod points;
 mod receiver;
 mod shadow_rays;
 mod space;
+mod sphere_albedo;
 mod sphere_irradiance;
 mod tracer;
 mod triangle;

@@ -8,7 +8,7 @@ use crate::{
     triangle::{ShearedRay, Triangle},
 };
 use glam::{DVec3, Vec3, Vec3A};
-use halfshade_scene::{Camera, Frame, ReceiverBuffer};
+use halfshade_scene::{Camera, Frame, Object, Pose, ReceiverBuffer};
 use obvhs::{
     Boundable, BvhBuildParams,
     aabb::Aabb,
@@ -58,6 +58,10 @@ pub struct Tracer {
     owners: Vec<[u32; 2]>,
     /// Centre in world space and radius of every sphere of every object that has a sphere set.
     pub(crate) spheres: Vec<(DVec3, f64)>,
+    /// Object and place in its set of each sphere.
+    pub(crate) sphere_owners: Vec<(usize, usize)>,
+    /// Every object and where it stands.
+    pub(crate) objects: Vec<(Object, Pose)>,
     pub(crate) lights: Lights,
     inward: Inward,
 }
@@ -74,7 +78,8 @@ impl Tracer {
     /// Builds the hierarchy for one frame. Triangles with a vertex that is not finite, or with two equal vertices, block
     /// nothing and are left out.
     pub fn new(frame: &Frame<'_>) -> Self {
-        let (mut corners, mut owners, mut spheres) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut corners, mut owners) = (Vec::new(), Vec::new());
+        let (mut spheres, mut sphere_owners) = (Vec::new(), Vec::new());
         let (vertices, mut first_vertex, mut inward) = (ReceiverBuffer::vertices(frame), 0, Inward::default());
         for (number, (object, pose)) in frame.scene.objects.iter().zip(&frame.world_from_object).enumerate() {
             let count = object.mesh.positions.len();
@@ -90,6 +95,7 @@ impl Tracer {
                 }
             }
             let set = object.spheres.iter().flat_map(|set| &set.spheres);
+            sphere_owners.extend(set.clone().enumerate().map(|(place, _)| (number, place)));
             spheres.extend(set.map(|sphere| {
                 (pose.transform_point(sphere.center).as_dvec3(), f64::from(pose.scale) * f64::from(sphere.radius))
             }));
@@ -118,7 +124,8 @@ impl Tracer {
         };
         let triangles = bvh.primitive_indices.iter().map(|&i| Triangle::new(corners[i as usize])).collect();
         let owners = bvh.primitive_indices.iter().map(|&i| owners[i as usize]).collect();
-        Self { space, bvh, triangles, owners, spheres, lights: Lights::new(frame), inward }
+        let objects = frame.scene.objects.iter().cloned().zip(frame.world_from_object.iter().copied()).collect();
+        Self { space, bvh, triangles, owners, spheres, sphere_owners, objects, lights: Lights::new(frame), inward }
     }
 
     /// A receiver, its rays' origin lifted off the surface and, at the rim of a smooth patch, drawn onto the patch.
@@ -143,14 +150,25 @@ impl Tracer {
     /// direction. The origin may lie anywhere: the ray is cut to the scene in double precision before it is traced.
     pub fn closest_hit(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
         let (ray, skipped) = self.clipped(origin, direction)?;
-        let sheared = ShearedRay::new(ray.origin, ray.direction);
+        let hit = self.nearest(ray, 0.0)?;
+        let distance = (hit.distance + self.space.length_in_world(skipped)) / f64::from(direction.length());
+        Some(Hit { distance, ..hit })
+    }
+
+    /// The first triangle along a ray that leaves a surface, in tracing space (see [`ShearedRay::with_slack`]).
+    pub(crate) fn first_hit(&self, origin: Vec3A, direction: Vec3A) -> Option<Hit> {
+        self.nearest(tracing_ray(origin, direction, f32::INFINITY), 0.5 * self.space.surface_offset())
+    }
+
+    /// The first triangle along a ray in tracing space of unit direction.
+    fn nearest(&self, ray: Ray, slack: f32) -> Option<Hit> {
+        let sheared = ShearedRay::new(ray.origin, ray.direction).with_slack(slack);
         let mut hit = RayHit::none();
         self.bvh.ray_traverse(ray, &mut hit, |_, slot| self.triangles[slot].distance(&sheared)).then_some(())?;
         let slot = hit.primitive_id as usize;
         let crossing = self.triangles[slot].crossing(&sheared)?;
         let [object, triangle] = self.owners[slot];
-        let distance =
-            self.space.length_in_world(skipped + f64::from(crossing.distance)) / f64::from(direction.length());
+        let distance = self.space.length_in_world(f64::from(crossing.distance));
         Some(Hit { object, triangle, barycentrics: crossing.barycentrics, distance })
     }
 
@@ -196,11 +214,9 @@ impl Tracer {
             .collect()
     }
 
-    /// The surface point of a hit: position, normal and vertex colours interpolated over the triangle. `frame` is the
-    /// one that this tracer was built for, `direction` the ray's.
-    pub fn surface_at(&self, frame: &Frame<'_>, hit: &Hit, direction: Vec3) -> Surface {
-        let object = &frame.scene.objects[hit.object as usize];
-        let pose = &frame.world_from_object[hit.object as usize];
+    /// The surface point of a hit: position, normal and albedo interpolated over the triangle. `direction` is the ray's.
+    pub fn surface_at(&self, hit: &Hit, direction: Vec3) -> Surface {
+        let (object, pose) = &self.objects[hit.object as usize];
         let (mesh, weights) = (&object.mesh, hit.barycentrics.as_dvec3().to_array());
         let vertices = mesh.triangles[hit.triangle as usize].map(|v| v as usize);
         let blend = |value: &dyn Fn(usize) -> Vec3| -> DVec3 {

@@ -31,7 +31,7 @@ pub(super) fn render(context: &Context, arguments: &RenderArguments) -> Result<E
     let frame = scene.frame(arguments.scene.frame);
     let tracer = Tracer::new(&frame);
     let (receivers, projection) = match arguments.receivers {
-        ReceiverChoice::Pixels => Projection::of_pixels(&tracer, &frame, &scene.camera),
+        ReceiverChoice::Pixels => Projection::of_pixels(&tracer, &scene.camera),
         ReceiverChoice::Vertices => {
             (ReceiverBuffer::vertices(&frame), Projection::of_vertices(&tracer, &frame, &scene.camera))
         }

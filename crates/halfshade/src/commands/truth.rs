@@ -21,7 +21,7 @@ pub(super) fn truth(context: &Context, arguments: &TruthArguments) -> Result<Exi
     let scene = context.scene(&arguments.scene)?;
     let frame = scene.frame(arguments.scene.frame);
     let tracer = Tracer::new(&frame);
-    let (receivers, projection) = Projection::of_pixels(&tracer, &frame, &scene.camera);
+    let (receivers, projection) = Projection::of_pixels(&tracer, &scene.camera);
     let options = Options { samples: arguments.samples.get(), seed: arguments.seed, ..Options::default() };
     let found = estimate(&tracer, receivers.view(), &options, &context.bars);
     let picture = projection.picture(&found.radiance, background(&arguments.scene));
