@@ -1,6 +1,6 @@
 //! Pictures on surfaces: colours that multiply an albedo, looked up by texture coordinates.
 //!
-//! PNG and JPEG hold sRGB [IEC61966-2-1]; texels are decoded to linear values before anything is interpolated. Lookups
+//! PNG and JPEG hold sRGB \[IEC61966-2-1\]; texels are decoded to linear values before anything is interpolated. Lookups
 //! are bilinear at the full resolution, whatever filter a file asks for: there are no mipmaps. Alpha and colour profiles
 //! are ignored.
 
@@ -124,7 +124,7 @@ fn jpeg_ends(bytes: &[u8]) -> bool {
     last(0xd9) > last(0xda)
 }
 
-/// Linear value of an sRGB value, both in [0, 1] [IEC61966-2-1].
+/// Linear value of an sRGB value, both in [0, 1] \[IEC61966-2-1\].
 fn linear_from_srgb(value: f64) -> f64 {
     if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
 }
