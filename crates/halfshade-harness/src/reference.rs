@@ -33,7 +33,7 @@ struct Stored {
 }
 
 /// Raise it whenever the meaning of what is cached changes.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// What traces references.
 pub struct ReferenceTracer<'a> {
@@ -74,6 +74,7 @@ impl ReferenceTracer<'_> {
             samples: self.accuracy.samples,
             noise_target: self.accuracy.relative_noise,
             seed: self.accuracy.seed,
+            bounces: scene.bounces,
             ..Options::default()
         };
         let frame = lit.frame(index);
@@ -100,7 +101,7 @@ impl ReferenceTracer<'_> {
 fn key(frame: &Frame<'_>, receivers: Receivers<'_>, options: &Options) -> CacheKey {
     let mut key = CacheKey::new("truth", VERSION)
         .value(&(&receivers.position, &receivers.normal, &receivers.albedo, receivers.index))
-        .value(&(options.samples, options.noise_target, options.max_samples, options.seed))
+        .value(&(options.samples, options.noise_target, options.max_samples, options.seed, options.bounces))
         .bytes(format!("{:?} {:?}", options.geometry, options.transport).as_bytes())
         .value(&frame.world_from_environment);
     for (object, pose) in frame.scene.objects.iter().zip(&frame.world_from_object) {
@@ -111,6 +112,16 @@ fn key(frame: &Frame<'_>, receivers: Receivers<'_>, options: &Options) -> CacheK
         ));
         for sphere in object.spheres.iter().flat_map(|set| &set.spheres) {
             key = key.value(&(sphere.center, sphere.radius));
+        }
+    }
+    if options.bounces > 0 {
+        for object in &frame.scene.objects {
+            let mesh = &object.mesh;
+            key = key.value(&(object.material.albedo, &mesh.normals, &mesh.colors, &mesh.texture_coordinates));
+            key = key.value(&object.material.texture.is_some());
+            for texture in mesh.textures.iter().chain(&object.material.texture) {
+                key = key.value(&**texture);
+            }
         }
     }
     let environment = &frame.scene.environment;

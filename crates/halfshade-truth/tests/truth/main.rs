@@ -1,5 +1,6 @@
 //! The truth against closed forms, against itself, and at the extremes.
 
+mod bounces;
 mod closed_forms;
 mod estimator;
 mod scenes;

@@ -22,7 +22,12 @@ pub(super) fn truth(context: &Context, arguments: &TruthArguments) -> Result<Exi
     let frame = scene.frame(arguments.scene.frame);
     let tracer = Tracer::new(&frame);
     let (receivers, projection) = Projection::of_pixels(&tracer, &scene.camera);
-    let options = Options { samples: arguments.samples.get(), seed: arguments.seed, ..Options::default() };
+    let options = Options {
+        samples: arguments.samples.get(),
+        seed: arguments.seed,
+        bounces: scene.bounces,
+        ..Options::default()
+    };
     let found = estimate(&tracer, receivers.view(), &options, &context.bars);
     let picture = projection.picture(&found.radiance, background(&arguments.scene));
     let stderr = projection.picture(&found.standard_error, Vec3::ZERO);
