@@ -72,10 +72,10 @@ fn every_mesh_and_every_probe_runs() {
     assert!(!table.contains("failed:") && !table.contains("unsupported:"), "{table}");
 }
 
-/// Fits `count` spheres to the Stanford bunny as a user would. Returns the outside volume, the violation of the bound and
-/// the error of the ground shadow, or `None` where there is no bunny.
+/// Fits `count` spheres to the Stanford bunny as a user would. Returns the outside volume, the violation of the bound, and
+/// the error of the ground shadow under the default rule and under the covering one, or `None` where there is no bunny.
 #[expect(clippy::print_stderr, reason = "whoever reads the test's output should know that it tested nothing")]
-fn fit_the_bunny(count: usize) -> Option<[f64; 3]> {
+fn fit_the_bunny(count: usize) -> Option<[f64; 4]> {
     let Some(assets) = assets() else {
         eprintln!("skipped: no shared/assets beside the repository, and HALFSHADE_ASSETS is not set");
         return None;
@@ -86,26 +86,36 @@ fn fit_the_bunny(count: usize) -> Option<[f64; 3]> {
     stdout(halfshade(here.path()).arg("spheres").arg(&mesh).args(["-n", &count, "-o", "set.json"]));
     let set: serde_json::Value =
         serde_json::from_str(&fs::read_to_string(here.path().join("set.json")).expect("read")).expect("JSON");
-    let figures = ["outside_volume_fraction", "bounding_violation", "ground_shadow_error"];
-    Some(figures.map(|key| set[key].as_f64().expect("a number")))
+    let keys = ["outside_volume_fraction", "bounding_violation", "ground_shadow_error"];
+    let [outside, violation, shadow] = keys.map(|key| set[key].as_f64().expect("a number"));
+    let covering = set["ground_shadow_error_by_rule"]["covering"].as_f64().expect("a number");
+    Some([outside, violation, shadow, covering])
 }
 
 #[test]
 fn sixteen_spheres_fit_the_bunny() {
-    let Some([outside, violation, shadow]) = fit_the_bunny(16) else { return };
+    let Some([outside, violation, shadow, covering]) = fit_the_bunny(16) else { return };
     assert!(outside <= 0.52 && violation == 0.0 && shadow <= 0.055, "{outside} {violation} {shadow}");
+    assert!(covering <= 0.055, "{covering}");
 }
 
-/// The shadow's bounds only hold what is reached, 0.042 and 0.035, where 0.036 and 0.025 are aimed at. Not adjusted to
-/// receivers on the ground that they cut, the same spheres would reach 0.031 and 0.027.
+/// The shadow is held to 0.036 and 0.025 under the covering rule. Under the continuous one, whose error lies nearly all
+/// below the belly, it only holds what is reached.
+fn a_better_fit(count: usize, most_outside: f64, [most_shadow, most_covering]: [f64; 2]) {
+    let Some([outside, violation, shadow, covering]) = fit_the_bunny(count) else { return };
+    assert!(outside <= most_outside && violation == 0.0, "{count}: {outside} {violation}");
+    assert!(shadow <= most_shadow && covering <= most_covering, "{count}: shadow {shadow}, {covering}");
+}
+
 #[test]
-#[ignore = "fits for half a minute"]
-fn more_spheres_fit_the_bunny_better() {
-    for (count, most_outside, most_shadow) in [(32, 0.33, 0.045), (64, 0.235, 0.038)] {
-        let Some([outside, violation, shadow]) = fit_the_bunny(count) else { return };
-        assert!(outside <= most_outside && violation == 0.0, "{count}: {outside} {violation}");
-        assert!(shadow <= most_shadow, "{count}: shadow {shadow}");
-    }
+fn thirty_two_spheres_fit_the_bunny_better() {
+    a_better_fit(32, 0.33, [0.045, 0.036]);
+}
+
+#[test]
+#[ignore = "fits for a quarter of a minute"]
+fn sixty_four_spheres_fit_the_bunny_better_still() {
+    a_better_fit(64, 0.235, [0.038, 0.025]);
 }
 
 #[test]

@@ -13,7 +13,7 @@ mod polish;
 mod solid;
 mod variational;
 
-pub use adjust::{AdjustRule, AdjustedSphere, FADE_HEIGHT, adjust, adjusted};
+pub use adjust::{AdjustRule, AdjustedSphere, COVER_HEIGHT, FADE_HEIGHT, adjust, adjusted};
 pub use build::BuildOptions;
 pub use hierarchy::{HierarchyLevel, SphereHierarchy};
 pub use overlap::overlap_shares;

@@ -1,6 +1,6 @@
 //! The spheres that block, and what eight receivers at once see of each ([Guerrero2007, 4.2]).
 
-use halfshade_scene::spheres::{AdjustRule, FADE_HEIGHT};
+use halfshade_scene::spheres::{AdjustRule, COVER_HEIGHT, FADE_HEIGHT};
 use halfshade_sh::kernel::MAX_BANDS;
 use wide::f32x8;
 
@@ -55,14 +55,23 @@ impl Blocker {
             // Relative floor: where the plane does not cut, the quotient only has to be defined.
             let floor = f32x8::splat((self.radius * self.radius * 1e-12).max(f32::MIN_POSITIVE));
             let cut_squared = ((radius - height) * (radius + height)).fast_max(floor);
-            let outside = (dot(&foot, &foot) / cut_squared).sqrt() - f32x8::ONE;
-            let fade = match rule {
+            let relative = (dot(&foot, &foot) / cut_squared).sqrt();
+            let in_front = match rule {
                 AdjustRule::Continuous => height * f32x8::splat(1.0 / (FADE_HEIGHT as f32 * self.radius)),
+                AdjustRule::Covering => height * f32x8::splat(1.0 / (COVER_HEIGHT as f32 * self.radius)),
                 AdjustRule::Published => height.simd_ge(f32x8::ZERO).select(f32x8::ONE, f32x8::ZERO),
             };
-            let scale = outside.fast_max(fade).fast_max(f32x8::ZERO).fast_min(f32x8::ONE);
+            let scale = (relative - f32x8::ONE).fast_max(in_front).fast_max(f32x8::ZERO).fast_min(f32x8::ONE);
             let lift = height.fast_max(front) - height;
-            (std::array::from_fn(|axis| lift.mul_add(normal[axis], offset[axis])), scale * front)
+            let lifted: [f32x8; 3] = std::array::from_fn(|axis| lift.mul_add(normal[axis], offset[axis]));
+            let moved = if rule == AdjustRule::Covering {
+                let weight = in_front.fast_max(f32x8::ZERO).fast_min(f32x8::ONE);
+                let pull = weight * (f32x8::ONE - relative.fast_min(f32x8::ONE));
+                std::array::from_fn(|axis| pull.mul_neg_add(foot[axis], lifted[axis]))
+            } else {
+                lifted
+            };
+            (moved, scale * front)
         } else {
             // Nobody's plane cuts it: what the rules above come to then, bit by bit.
             (offset, radius)
@@ -98,7 +107,7 @@ mod tests {
             let normal: [f32x8; 3] =
                 std::array::from_fn(|axis| f32x8::from(std::array::from_fn::<f32, 8, _>(|i| normals[i][axis] as f32)));
             let blocker = Blocker { center, radius, factors: [1.0; MAX_BANDS], emitter: 0, reflection_factor: 1.0 };
-            for rule in [AdjustRule::Continuous, AdjustRule::Published] {
+            for rule in [AdjustRule::Continuous, AdjustRule::Covering, AdjustRule::Published] {
                 let seen = blocker.seen_from(&positions.map(f32x8::from), &normal, rule);
                 for (lane, lane_normal) in normals.iter().enumerate() {
                     let offset = DVec3::from_array(std::array::from_fn(|k| f64::from(center[k] - positions[k][lane])));
@@ -133,7 +142,7 @@ mod tests {
                 for sign in [-1.0, 1.0] {
                     let position = [f32x8::ZERO, f32x8::splat(radius * distance * sign), f32x8::ZERO];
                     let normal = [f32x8::ZERO, f32x8::ONE, f32x8::ZERO];
-                    for rule in [AdjustRule::Continuous, AdjustRule::Published] {
+                    for rule in [AdjustRule::Continuous, AdjustRule::Covering, AdjustRule::Published] {
                         if let Some(seen) = blocker.seen_from(&position, &normal, rule) {
                             assert!(seen.direction.iter().all(|c| c.to_array()[0].is_finite()));
                             assert!((0.0..=1.0).contains(&seen.sin_squared.to_array()[0]));

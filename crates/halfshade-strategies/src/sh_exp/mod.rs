@@ -127,8 +127,8 @@ impl Strategy for ShExp {
                 ),
                 parameter(
                     "rule",
-                    "spheres that cut the tangent plane: as published, or continuous",
-                    choice(&["continuous", "published"], "continuous"),
+                    "spheres that cut the tangent plane: as published, continuous, or covering what is under them",
+                    choice(&["continuous", "covering", "published"], "continuous"),
                 ),
                 parameter(
                     "overlap",
@@ -291,7 +291,11 @@ impl Strategy for ShExp {
         progress.advance(1);
         Ok(Box::new(Prepared {
             bands,
-            rule: if params.choice("rule") == "published" { AdjustRule::Published } else { AdjustRule::Continuous },
+            rule: match params.choice("rule") {
+                "covering" => AdjustRule::Covering,
+                "published" => AdjustRule::Published,
+                _ => AdjustRule::Continuous,
+            },
             clamp: params.choice("clamp") == "on",
             table,
             combination,

@@ -6,9 +6,12 @@ use halfshade_harness::{
     clock::time_secs,
     output::{check_writable, write_atomically},
     scene_source,
-    sphere_fit::ground_shadow_error,
+    sphere_fit::ground_shadow_errors,
 };
-use halfshade_scene::{SphereSet, spheres::BuildOptions};
+use halfshade_scene::{
+    SphereSet,
+    spheres::{AdjustRule, BuildOptions},
+};
 use serde_json::json;
 use std::{process::ExitCode, sync::Arc};
 
@@ -23,7 +26,9 @@ pub(super) fn spheres(context: &Context, arguments: &SpheresArguments) -> Result
         SphereSet::build(&mesh, arguments.count.get(), &BuildOptions::default(), &context.bars)
     });
     let set = set.map_err(|error| error.in_file(&arguments.mesh))?;
-    let shadow = ground_shadow_error(&mesh, &set, &context.bars);
+    let rules = [AdjustRule::default(), AdjustRule::Continuous, AdjustRule::Covering, AdjustRule::Published];
+    let errors = ground_shadow_errors(&mesh, &set, rules, &context.bars).map_or([None; 4], |errors| errors.map(Some));
+    let [shadow, continuous, covering, published] = errors;
     for note in notes.iter().chain(&set.notes) {
         context.bars.note(&format!("{}: {note}", arguments.mesh.display()));
     }
@@ -40,6 +45,7 @@ pub(super) fn spheres(context: &Context, arguments: &SpheresArguments) -> Result
             "bounding_violation": set.bounding_violation,
             "growth": set.growth,
             "ground_shadow_error": shadow,
+            "ground_shadow_error_by_rule": { "continuous": continuous, "covering": covering, "published": published },
             "seconds": seconds,
             "spheres": spheres,
         });
@@ -47,13 +53,20 @@ pub(super) fn spheres(context: &Context, arguments: &SpheresArguments) -> Result
     }
     terminal::data(&format!(
         "spheres: {}\noutside_volume_fraction: {:.4} ± {:.4}\nbounding_violation: {}\ngrowth: {:.2e}\n\
-         ground_shadow_error: {}\nseconds: {seconds:.2}\n",
+         ground_shadow_error: {}\nground_shadow_error_by_rule: continuous {}, covering {}, published {}\nseconds: {seconds:.2}\n",
         set.spheres.len(),
         set.outside_volume_fraction,
         set.outside_volume_error,
         set.bounding_violation,
         set.growth,
-        shadow.map_or_else(|| "none".to_owned(), |error| format!("{error:.4}")),
+        figure(shadow),
+        figure(continuous),
+        figure(covering),
+        figure(published),
     ))?;
     Ok(ExitCode::SUCCESS)
+}
+
+fn figure(error: Option<f64>) -> String {
+    error.map_or_else(|| "none".to_owned(), |error| format!("{error:.4}"))
 }
