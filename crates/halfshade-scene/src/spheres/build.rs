@@ -17,7 +17,7 @@ use serde::Serialize;
 use std::sync::Arc;
 
 /// Raise whenever the same mesh and options would give another set.
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 /// Longest edge, as a fraction of the mesh's largest extent, below which an uncovered piece of a triangle is covered by
 /// growing a sphere instead of being cut further.
 const COVER_TOLERANCE: f64 = 2e-4;
@@ -25,6 +25,9 @@ const COVER_TOLERANCE: f64 = 2e-4;
 const TIGHTEN_ROUNDS: usize = 4;
 /// Surface points that the polish covers, at most. With few, spheres shrink between them and must grow back in the end.
 const FINE_POINTS: usize = 12_000;
+/// Distance of the lines by which the polish measures, as a fraction of the largest extent, at most. On coarser ones it
+/// lowers what they see of U rather than U.
+const POLISH_STEP: f64 = 1.0 / 100.0;
 /// Vertices that tightening respects at most; the bound holds for all of them in the end.
 const MOST_VERTICES: usize = 40_000;
 /// Distance of the lines that measure the result, as a fraction of the largest extent.
@@ -102,11 +105,20 @@ impl SphereSet {
                     .into(),
             );
         }
+        let measured = if options.polish && step > POLISH_STEP {
+            Solid::new(if thin { &[] } else { &mesh.corners }, 2, POLISH_STEP)
+        } else {
+            solid.clone()
+        };
         let area = mesh.corners.iter().map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length()).sum();
         let restarts = options.restarts.max(1);
         let mut rng = Pcg64Mcg::seed_from_u64(options.seed);
         let fine = if options.polish {
-            surface_points(&mesh.corners, (400 * count).clamp(3_000, FINE_POINTS), &mut rng)
+            let mut points = surface_points(&mesh.corners, (400 * count).clamp(3_000, FINE_POINTS), &mut rng);
+            // Samples miss sharp corners, which cost the most to cover afterwards. Many vertices are near to samples.
+            points
+                .extend(Some(mesh.vertices()).filter(|vertices| 2 * vertices.len() < points.len()).unwrap_or_default());
+            points
         } else {
             Vec::new()
         };
@@ -115,54 +127,69 @@ impl SphereSet {
         let (teleports, jumps) = (affordable(options.teleports), affordable(options.jumps));
         let steps = 1 + teleports + if options.polish { 1 + jumps } else { 0 };
         progress.start("fitting spheres", (restarts * steps) as u64);
-        let fitted: Vec<(f64, Vec<Ball>)> = (0..restarts as u64)
+        let fitted: Vec<[(f64, Vec<Ball>); 2]> = (0..restarts as u64)
             .into_par_iter()
             .map(|restart| {
                 let mut rng = Pcg64Mcg::seed_from_u64(options.seed.wrapping_mul(0x9e37_79b9).wrapping_add(restart));
                 let surface = surface_points(&mesh.corners, (30 * count).clamp(400, 6_000), &mut rng);
                 let inner = inner_points(&solid.columns, mesh.bounds, surface.len() / 2);
                 let target = Target::new(&solid.columns, [surface, inner].concat());
-                let mut balls = target.fit(count, teleports, &mut rng, progress);
-                if options.polish {
-                    let polish = Polish::new(&solid.columns, &fine, area);
-                    balls = polish.improve(balls, jumps, &mut rng, progress);
-                }
-                // What counts is the volume after bounding, not before.
-                let mut bounded = balls.clone();
-                grow_to_cover(&mesh.corners, &mut bounded, 10.0 * COVER_TOLERANCE, |r| r);
-                (solid.columns.union_outside(&bounded), balls)
+                let published = target.fit(count, teleports, &mut rng, progress);
+                let polished = if options.polish {
+                    Polish::new(&measured.columns, &fine, area).improve(published.clone(), jumps, &mut rng, progress)
+                } else {
+                    published.clone()
+                };
+                [published, polished].map(|balls| {
+                    // What counts is the volume after bounding, not before.
+                    let mut bounded = balls.clone();
+                    grow_to_cover(&mesh.corners, &mut bounded, 10.0 * COVER_TOLERANCE, |r| r);
+                    (measured.columns.union_outside(&bounded), balls)
+                })
             })
             .collect();
-        let mut best =
-            fitted.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, balls)| balls).unwrap_or_default();
+        let best = |which: usize| {
+            let of_start = |start: &&[(f64, Vec<Ball>); 2]| start[which].0;
+            let least = fitted.iter().min_by(|a, b| of_start(a).total_cmp(&of_start(b)));
+            least.map(|start| start[which].1.clone()).unwrap_or_default()
+        };
+        let (published, mut polished) = (best(0), best(1));
         if options.polish {
             progress.start("tightening spheres", TIGHTEN_ROUNDS as u64);
             let mut points: Vec<DVec3> = mesh.vertices();
             for round in 0..TIGHTEN_ROUNDS {
                 // Triangles reach out between their vertices: where they do, their pieces join the points to be covered.
                 if round > 0 {
-                    points.extend(uncovered_points(&mesh.corners, &best, 10.0 * COVER_TOLERANCE));
+                    points.extend(uncovered_points(&mesh.corners, &polished, 10.0 * COVER_TOLERANCE));
                 }
-                cover_points(&mut best, &points);
-                tighten(&solid.columns, &points, &mut best, 2);
+                cover_points(&mut polished, &points);
+                tighten(&measured.columns, &points, &mut polished, 2);
                 progress.advance(1);
             }
         }
         progress.start("bounding the triangles", 1);
-        let mut set = mesh.bound(best);
+        let mut sets = vec![mesh.bound(polished)];
+        if options.polish {
+            sets.push(mesh.bound(published));
+        }
         progress.advance(1);
-        let estimates: Vec<f64> = (0..3usize)
+        let estimates: Vec<Vec<f64>> = (0..3usize)
             .into_par_iter()
             .map(|axis| {
                 let corners = if thin { &[] } else { mesh.corners.as_slice() };
                 let columns = Solid::new(corners, axis, MEASURE_STEP).columns;
                 let whole = if thin { ball_volume(0.5 * mesh.extent()) } else { columns.volume() };
-                columns.union_outside(&mesh.normalized(&set.spheres)) / whole
+                sets.iter().map(|set| columns.union_outside(&mesh.normalized(&set.spheres)) / whole).collect()
             })
             .collect();
-        let (low, high) = estimates.iter().fold((f64::INFINITY, 0.0f64), |(l, h), e| (l.min(*e), h.max(*e)));
-        set.outside_volume_fraction = estimates.iter().sum::<f64>() / 3.0;
-        set.outside_volume_error = 0.5 * (high - low);
+        for (k, set) in sets.iter_mut().enumerate() {
+            let (low, high) = estimates.iter().fold((f64::INFINITY, 0.0f64), |(l, h), e| (l.min(e[k]), h.max(e[k])));
+            set.outside_volume_fraction = estimates.iter().map(|e| e[k]).sum::<f64>() / 3.0;
+            set.outside_volume_error = 0.5 * (high - low);
+        }
+        // The polish sees lines of one direction and samples: where it is wrong by that, the published set stays.
+        let less = |a: &SphereSet, b: &SphereSet| a.outside_volume_fraction.total_cmp(&b.outside_volume_fraction);
+        let mut set = sets.into_iter().min_by(less).unwrap_or_default();
         set.notes = notes;
         Ok(set)
     }
@@ -374,10 +401,17 @@ mod tests {
 
     #[test]
     fn the_polish_pays() {
-        let mesh = torus(1.0, 0.6, 48, 24);
-        let published = SphereSet::build(&mesh, 10, &BuildOptions { polish: false, ..QUICK }, &Silent).unwrap();
-        assert_bounds(&mesh, &published);
-        assert!(build(&mesh, 10).outside_volume_fraction < published.outside_volume_fraction);
+        let mut slab = box_mesh(2);
+        slab.positions.iter_mut().for_each(|p| *p *= Vec3::new(1.0, 0.6, 0.3));
+        let mut won = 0;
+        for (mesh, count) in [(torus(1.0, 0.6, 48, 24), 10), (box_mesh(2), 10), (slab, 5)] {
+            let published = SphereSet::build(&mesh, count, &BuildOptions { polish: false, ..QUICK }, &Silent).unwrap();
+            assert_bounds(&mesh, &published);
+            let [polished, published] = [build(&mesh, count), published].map(|set| set.outside_volume_fraction);
+            assert!(polished <= published, "{count}: {polished} {published}");
+            won += usize::from(polished < 0.98 * published);
+        }
+        assert!(won >= 2, "{won} of 3");
     }
 
     #[test]

@@ -48,7 +48,8 @@ impl<'a> Polish<'a> {
         Self { solid, surface, area_per_point: area / surface.len().max(1) as f64, directions }
     }
 
-    /// Relaxes, then tries `jumps` teleportations. Covers the surface points on return.
+    /// Relaxes, then tries `jumps` teleportations. Covers the surface points on return, with no larger U than covering
+    /// them by the `balls` as given.
     pub(super) fn improve(
         &self,
         mut balls: Vec<Ball>,
@@ -56,20 +57,29 @@ impl<'a> Polish<'a> {
         rng: &mut Pcg64Mcg,
         progress: &dyn Progress,
     ) -> Vec<Ball> {
-        self.relax(&mut balls, 250, 0.04);
         let mut best_volume = self.bounded_volume(&balls);
+        let mut keep_if_better = |balls: &mut Vec<Ball>, candidate: Vec<Ball>| {
+            let volume = self.bounded_volume(&candidate);
+            if volume < best_volume {
+                (*balls, best_volume) = (candidate, volume);
+            }
+        };
+        // A descent may end higher than it began: its first steps are large, its penalty leaves points to be covered.
+        let relaxed = |mut balls: Vec<Ball>, iterations, rate| {
+            self.relax(&mut balls, iterations, rate);
+            balls
+        };
+        let candidate = relaxed(balls.clone(), 250, 0.04);
+        keep_if_better(&mut balls, candidate);
         progress.advance(1);
         for _ in 0..jumps {
-            if let Some(mut candidate) = self.jump(&balls, rng) {
-                self.relax(&mut candidate, 70, 0.03);
-                let volume = self.bounded_volume(&candidate);
-                if volume < best_volume {
-                    (balls, best_volume) = (candidate, volume);
-                }
+            if let Some(candidate) = self.jump(&balls, rng) {
+                keep_if_better(&mut balls, relaxed(candidate, 70, 0.03));
             }
             progress.advance(1);
         }
-        self.relax(&mut balls, 150, 0.015);
+        let candidate = relaxed(balls.clone(), 150, 0.015);
+        keep_if_better(&mut balls, candidate);
         cover_points(&mut balls, self.surface);
         balls
     }
