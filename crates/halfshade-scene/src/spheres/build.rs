@@ -403,15 +403,14 @@ mod tests {
     fn the_polish_pays() {
         let mut slab = box_mesh(2);
         slab.positions.iter_mut().for_each(|p| *p *= Vec3::new(1.0, 0.6, 0.3));
-        let mut won = 0;
-        for (mesh, count) in [(torus(1.0, 0.6, 48, 24), 10), (box_mesh(2), 10), (slab, 5)] {
+        // Sharp corners, which samples miss, and few spheres for much: there it once lost.
+        let cases = [(torus(1.0, 0.6, 48, 24), 10), (box_mesh(2), 10), (slab, 5)];
+        let ratios = cases.map(|(mesh, count)| {
             let published = SphereSet::build(&mesh, count, &BuildOptions { polish: false, ..QUICK }, &Silent).unwrap();
             assert_bounds(&mesh, &published);
-            let [polished, published] = [build(&mesh, count), published].map(|set| set.outside_volume_fraction);
-            assert!(polished <= published, "{count}: {polished} {published}");
-            won += usize::from(polished < 0.98 * published);
-        }
-        assert!(won >= 2, "{won} of 3");
+            build(&mesh, count).outside_volume_fraction / published.outside_volume_fraction
+        });
+        assert!(ratios[0] < 1.0 && ratios[1] < 1.0 && ratios[2] <= 1.0, "{ratios:?}");
     }
 
     #[test]
