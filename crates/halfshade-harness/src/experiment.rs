@@ -19,11 +19,13 @@
 //! [pictures]                         # leave it out to draw none
 //! resolution = [480, 360]            # default: the camera's
 //! strategies = ["sh-exp:exp=hybrid"] # default: all
+//! difference = ["A", "B"]            # two SPECs whose difference, times ten, is a picture too
 //!
 //! [[scene]]
 //! name = "vases"                     # built-in, or a scene or mesh file relative to this file
 //! bounces = 1                        # diffuse bounces of light, if other than the scene's own
 //! spheres = 64                       # leaf spheres in all, shared out among the objects as the scene's own are
+//! camera = { eye = [0, 1, 4], target = [0, 0.5, 0], vertical_fov_degrees = 20 }   # another view, such as a close-up
 //! [[scene.published]]
 //! method = "Ren et al. pixel shader"
 //! hardware = "GeForce 8800 GTX"
@@ -96,11 +98,25 @@ pub struct SceneEntry {
     pub frames: Option<Vec<usize>>,
     /// Diffuse bounces of light, if other than the scene's.
     pub bounces: Option<Spanned<usize>>,
+    /// Another view for pictures.
+    pub camera: Option<Spanned<View>>,
     /// Leaf spheres in all, if other than the scene's; then the scene's name says so.
     pub spheres: Option<NonZeroUsize>,
     /// Published figures to stand beside ours.
     #[serde(default)]
     pub published: Vec<Published>,
+}
+
+/// Where pictures are taken from.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct View {
+    /// Eye in world space.
+    pub eye: [f32; 3],
+    /// The point looked at.
+    pub target: [f32; 3],
+    /// Angle spanned by the picture's height, in degrees.
+    pub vertical_fov_degrees: f32,
 }
 
 /// A frame rate from the literature.
@@ -217,6 +233,8 @@ pub struct PictureSettings {
     pub resolution: Option<[NonZeroU32; 2]>,
     /// SPECs, if not all.
     pub strategies: Option<Vec<Spanned<String>>>,
+    /// Two SPECs whose difference is drawn.
+    pub difference: Option<[Spanned<String>; 2]>,
 }
 
 fn first_frame() -> Vec<usize> {

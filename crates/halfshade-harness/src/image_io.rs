@@ -30,6 +30,13 @@ impl Picture {
         Self { pixels, ..*self }
     }
 
+    /// `factor` times the size of each pixel's difference to `other`.
+    pub fn magnified_difference(&self, other: &Self, factor: f32) -> Self {
+        let mut difference = self.minus(other);
+        difference.pixels.iter_mut().for_each(|pixel| *pixel = factor * pixel.abs());
+        difference
+    }
+
     /// As people see it: times `exposure`, sRGB transfer, 8 bits.
     pub fn to_srgb(&self, exposure: f32) -> image::RgbImage {
         image::RgbImage::from_fn(self.width as u32, self.height as u32, |x, y| {

@@ -1,18 +1,32 @@
 //! What an experiment comes down to: loaded scenes, and groups of runs that are measured together.
 
 use crate::{
-    Experiment, HarnessError, ReceiverKind, ReferenceKind, Variant, experiment::TimingSettings, reference::Accuracy,
+    Experiment, HarnessError, ReceiverKind, ReferenceKind, Variant,
+    experiment::{TimingSettings, View},
+    reference::Accuracy,
     scene_source, variant,
 };
+use glam::Vec3;
 use halfshade_scene::{Camera, Scene, scene::MAX_BOUNCES};
 use halfshade_strategy::Strategy;
 use std::num::NonZeroUsize;
+use toml::Spanned;
 
 /// Samples that a noise target starts with.
 const FIRST_SAMPLES: usize = 256;
 
 /// `--quick` divides samples per receiver by this.
 const QUICK_SAMPLES: usize = 8;
+
+const BAD_VIEW: &str = "camera: eye and target must be finite and apart, vertical_fov_degrees between 0 and 180";
+
+/// `camera` moved to `view`, or `None` if that can't be looked from.
+fn viewed(view: &View, camera: &Camera) -> Option<Camera> {
+    let (eye, target) = (Vec3::from(view.eye), Vec3::from(view.target));
+    let fov = view.vertical_fov_degrees;
+    let fits = eye.is_finite() && target.is_finite() && eye != target && fov > 0.0 && fov < 180.0;
+    fits.then_some(Camera { eye, target, vertical_fov_degrees: fov, ..*camera })
+}
 
 /// Gives the scene's blockers `count` spheres in all, or one each if that is more, in proportion to what they have.
 fn share_out_spheres(scene: &mut Scene, count: usize) {
@@ -44,6 +58,8 @@ pub struct Plan {
     pub timing: Option<TimingSettings>,
     /// Of which variants pictures are drawn, by [`Variant::key`]; nothing: of none.
     pub pictured: Vec<String>,
+    /// Places in `variants` of two whose difference is drawn.
+    pub difference: Option<[usize; 2]>,
     /// Size of pictures, if other than the camera's.
     pub resolution: Option<[u32; 2]>,
 }
@@ -52,25 +68,23 @@ impl Plan {
     /// Loads and checks everything, so that mistakes show before any work is done.
     pub fn new(experiment: &Experiment, strategies: &[Box<dyn Strategy>], quick: bool) -> Result<Self, HarnessError> {
         let variants = variant::sweep(experiment, strategies)?;
-        let pictured = match &experiment.pictures {
+        let place_of = |spec: &Spanned<String>| {
+            let error = |problem| experiment.error_at(spec.span().start, problem);
+            let key = Variant::parse(strategies, spec.get_ref()).map_err(error)?.key();
+            let unknown = || error(format!("`{}` is pictured but not among the strategies", spec.get_ref()));
+            variants.iter().position(|variant| variant.key() == key).ok_or_else(unknown)
+        };
+        let settings = experiment.pictures.as_ref();
+        let pictured = match settings.map(|settings| &settings.strategies) {
             None => Vec::new(),
-            Some(settings) => match &settings.strategies {
-                None => variants.iter().map(Variant::key).collect(),
-                Some(specs) => specs
-                    .iter()
-                    .map(|spec| {
-                        let error = |problem| experiment.error_at(spec.span().start, problem);
-                        let key = Variant::parse(strategies, spec.get_ref()).map_err(error)?.key();
-                        if variants.iter().all(|variant| variant.key() != key) {
-                            return Err(error(format!(
-                                "`{}` is pictured but not among the strategies",
-                                spec.get_ref()
-                            )));
-                        }
-                        Ok(key)
-                    })
-                    .collect::<Result<_, _>>()?,
-            },
+            Some(None) => variants.iter().map(Variant::key).collect(),
+            Some(Some(specs)) => {
+                specs.iter().map(|spec| Ok(variants[place_of(spec)?].key())).collect::<Result<_, HarnessError>>()?
+            }
+        };
+        let difference = match settings.and_then(|settings| settings.difference.as_ref()) {
+            Some([a, b]) => Some([place_of(a)?, place_of(b)?]),
+            None => None,
         };
         let folder = experiment.path.parent().unwrap_or(std::path::Path::new("."));
         let mut scenes: Vec<(Scene, Vec<usize>)> = Vec::new();
@@ -88,6 +102,10 @@ impl Plan {
                     let problem = format!("bounces = {}: at most {MAX_BOUNCES}", scene.bounces);
                     return Err(experiment.error_at(bounces.span().start, problem));
                 }
+            }
+            if let Some(view) = &entry.camera {
+                scene.camera = viewed(view.get_ref(), &scene.camera)
+                    .ok_or_else(|| experiment.error_at(view.span().start, BAD_VIEW))?;
             }
             if let Some(count) = entry.spheres {
                 share_out_spheres(&mut scene, count.get());
@@ -139,6 +157,7 @@ impl Plan {
             accuracy,
             timing,
             pictured,
+            difference,
             resolution,
         })
     }

@@ -25,6 +25,9 @@ use std::{
     path::{Path, PathBuf},
 };
 
+/// How much a difference between two strategies is magnified [Guerrero2007, figure 6.1].
+const DIFFERENCE_FACTOR: f32 = 10.0;
+
 /// What the harness is given: it names no strategy and owns no terminal.
 pub struct Tools<'a> {
     /// All strategies.
@@ -277,6 +280,23 @@ impl Session<'_> {
             }
         }
         self.time(scene, &frame, &receivers, &mut ready)?;
+        let difference = format!("{} {index} {kind} difference", scene.name);
+        if let (Some(projection), Some(pair)) = (&projection, self.plan.difference)
+            && !self.known.pictured.contains_key(&difference)
+        {
+            let [a, b] = pair.map(|place| &self.plan.variants[place]);
+            let picture = |variant: &Variant| {
+                let (_, _, radiance) = self.score(&frame, receivers.view(), variant, blank(variant), &references);
+                radiance.map(|radiance| projection.picture(&radiance, Vec3::ZERO))
+            };
+            if let (Some(first), Some(second)) = (picture(a), picture(b)) {
+                let label = format!("{DIFFERENCE_FACTOR} times the difference: {} and {}", a.label, b.label);
+                let picture = first.magnified_difference(&second, DIFFERENCE_FACTOR);
+                let files = self.write_pictures(scene, index, &label, &picture, None, exposure)?;
+                self.append(Entry::Pictured { key: Some(difference.clone()), files: files.clone(), ssim: None })?;
+                self.known.pictured.insert(difference.clone(), (files, None));
+            }
+        }
 
         results.pictures.extend(
             self.known
@@ -301,6 +321,7 @@ impl Session<'_> {
             }
             results.pictures.extend(picture.map(|(files, _)| files.clone()));
         }
+        results.pictures.extend(self.known.pictured.get(&difference).map(|(files, _)| files.clone()));
         Ok(())
     }
 

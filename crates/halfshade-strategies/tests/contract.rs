@@ -44,12 +44,7 @@ contract_tests!(sh_exp_reflections, ShExp, "", RINGING);
 contract_tests!(
     sh_exp_reflections_as_published,
     ShExp,
-    "walk=quadratic,projection=product,form-factor=cosine,levels=cluster,bands=3",
+    "intersections=precomputed,reflection-exp=hybrid,walk=quadratic,projection=product,form-factor=cosine,levels=cluster,bands=3",
     RINGING
 );
-contract_tests!(
-    sh_exp_reflections_ordered,
-    ShExp,
-    "intersections=ordered,order=power,reflection-exp=optimal-linear",
-    RINGING
-);
+contract_tests!(sh_exp_reflections_precomputed, ShExp, "intersections=precomputed,order=power", RINGING);

@@ -60,7 +60,12 @@ fn a_ball_under_a_constant_sky_gives_back_its_albedo() {
             ["", "intersections=ordered,order=power", "projection=product,form-factor=cosine", "walk=quadratic"]
         {
             let shadow = shade(&scene, &scene.frame(0), &line(), &format!("bounces=0,{settings}"));
-            let all = shade(&scene, &scene.frame(0), &line(), &format!("reflection-limit=0,{settings}"));
+            let all = shade(
+                &scene,
+                &scene.frame(0),
+                &line(),
+                &format!("reflection-exp=hybrid,reflection-limit=0,{settings}"),
+            );
             for i in 0..shadow.len() {
                 let expected = shadow.at(i) + albedo * (Vec3::ONE - shadow.at(i));
                 let error = (all.at(i) - expected).abs().max_element();
@@ -85,8 +90,7 @@ fn linear_and_quadratic_walks_agree() {
     let scene = crowded();
     let frame = scene.frame(7);
     let receivers = ReceiverBuffer::vertices(&frame);
-    for settings in ["", "intersections=ordered", "order=power", "reflection-exp=optimal-linear", "bands=3", "bands=6"]
-    {
+    for settings in ["", "intersections=precomputed", "order=power", "reflection-exp=hybrid", "bands=3", "bands=6"] {
         let linear = shade(&scene, &frame, &receivers, &format!("walk=linear,{settings}"));
         let quadratic = shade(&scene, &frame, &receivers, &format!("walk=quadratic,{settings}"));
         let difference = largest_difference(&linear, &quadratic);
@@ -218,12 +222,8 @@ fn extremes_stay_finite_and_gain_no_energy() {
         (1.0, 1e3, Vec3::ZERO),
         (0.5, 1.0, Vec3::new(1e4, 0.0, -3e3)),
     ];
-    let all_settings = [
-        "",
-        "reflection-exp=optimal-linear,walk=quadratic",
-        "intersections=ordered,order=power",
-        "levels=cluster,bands=3",
-    ];
+    let all_settings =
+        ["", "intersections=precomputed,walk=quadratic", "reflection-exp=hybrid,order=power", "levels=cluster,bands=3"];
     let cases = sets.iter().map(|set| (set, here)).chain(elsewhere.into_iter().map(|place| (&sets[3], place)));
     for (spheres, (albedo, scale, shift)) in cases {
         let scene = stood_for(spheres.clone(), albedo, scale, shift);

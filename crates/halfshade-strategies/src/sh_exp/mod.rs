@@ -173,7 +173,7 @@ impl Strategy for ShExp {
                 parameter(
                     "intersections",
                     "reflections: covering between intersecting spheres baked into their colours, or found by order",
-                    choice(&["precomputed", "ordered"], "precomputed"),
+                    choice(&["precomputed", "ordered"], "ordered"),
                 ),
                 parameter(
                     "order",
