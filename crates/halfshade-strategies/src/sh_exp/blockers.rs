@@ -4,6 +4,9 @@ use halfshade_scene::spheres::{AdjustRule, COVER_HEIGHT, FADE_HEIGHT};
 use halfshade_sh::kernel::MAX_BANDS;
 use wide::f32x8;
 
+/// Factors that change nothing.
+pub(super) const UNSCALED: [f32; MAX_BANDS] = [1.0; MAX_BANDS];
+
 /// One sphere in light space.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Blocker {
@@ -30,6 +33,10 @@ impl Blocker {
     /// `zonal` times this sphere's factors.
     #[inline(always)]
     pub(super) fn times_factors(&self, zonal: [f32x8; MAX_BANDS]) -> [f32x8; MAX_BANDS] {
+        if self.factors == UNSCALED {
+            // Most spheres are: eight comparisons at once are cheaper than the products.
+            return zonal;
+        }
         let mut scaled = zonal;
         scaled.iter_mut().zip(self.factors).for_each(|(value, factor)| *value *= f32x8::splat(factor));
         scaled
@@ -106,7 +113,7 @@ mod tests {
             });
             let normal: [f32x8; 3] =
                 std::array::from_fn(|axis| f32x8::from(std::array::from_fn::<f32, 8, _>(|i| normals[i][axis] as f32)));
-            let blocker = Blocker { center, radius, factors: [1.0; MAX_BANDS], emitter: 0, reflection_factor: 1.0 };
+            let blocker = Blocker { center, radius, factors: UNSCALED, emitter: 0, reflection_factor: 1.0 };
             for rule in [AdjustRule::Continuous, AdjustRule::Covering, AdjustRule::Published] {
                 let seen = blocker.seen_from(&positions.map(f32x8::from), &normal, rule);
                 for (lane, lane_normal) in normals.iter().enumerate() {
@@ -136,8 +143,7 @@ mod tests {
     #[test]
     fn defined_at_the_centre_on_the_surface_and_next_to_it() {
         for radius in [1e-3f32, 1.0, 1e3] {
-            let blocker =
-                Blocker { center: [0.0; 3], radius, factors: [1.0; MAX_BANDS], emitter: 0, reflection_factor: 1.0 };
+            let blocker = Blocker { center: [0.0; 3], radius, factors: UNSCALED, emitter: 0, reflection_factor: 1.0 };
             for distance in [0.0, 1e-7, 1.0 - 1e-7, 1.0, 1.0 + 1e-7] {
                 for sign in [-1.0, 1.0] {
                     let position = [f32x8::ZERO, f32x8::splat(radius * distance * sign), f32x8::ZERO];
