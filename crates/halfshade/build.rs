@@ -4,11 +4,16 @@ use std::process::Command;
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
-    println!("cargo::rerun-if-changed=../../.git/HEAD");
-    let described = Command::new("git").args(["describe", "--always", "--dirty", "--exclude", "*"]).output();
-    let commit = described
-        .ok()
-        .filter(|output| output.status.success())
-        .and_then(|output| String::from_utf8(output.stdout).ok());
-    println!("cargo::rustc-env=HALFSHADE_COMMIT={}", commit.unwrap_or_default().trim());
+    // `.git/HEAD` only names the branch: a commit moves the log.
+    if let Some(log) = git(&["rev-parse", "--git-path", "logs/HEAD"]) {
+        println!("cargo::rerun-if-changed={log}");
+    }
+    let commit = git(&["describe", "--always", "--dirty", "--exclude", "*"]);
+    println!("cargo::rustc-env=HALFSHADE_COMMIT={}", commit.unwrap_or_default());
+}
+
+/// What git says, without the line's end; nothing where there is no git or no repository.
+fn git(arguments: &[&str]) -> Option<String> {
+    let output = Command::new("git").args(arguments).output().ok().filter(|output| output.status.success())?;
+    Some(String::from_utf8(output.stdout).ok()?.trim().to_owned())
 }

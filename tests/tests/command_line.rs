@@ -263,3 +263,47 @@ fn damaged_results_are_refused_by_name() {
     assert!(error.contains("results.json:1") && error.contains("damaged"), "{error}");
     assert!(refused(halfshade(here.path()).args(["report", "nowhere"])).contains("nowhere: cannot read"));
 }
+
+#[test]
+fn bounces_reach_truth_strategies_and_results_and_mistakes_name_their_line() {
+    let here = folder();
+    let picture = ["--resolution", "24x16"];
+    let mean = |bounces: &str| -> f64 {
+        let arguments = ["truth", "one-sphere", "--samples", "64", "-o", "t.exr", "--bounces", bounces];
+        let text = stdout(halfshade(here.path()).args(arguments).args(picture));
+        text.lines().find_map(|line| line.strip_prefix("rms_standard_error: ")).unwrap().parse().unwrap()
+    };
+    assert!(mean("0") > 0.0 && mean("2") > 0.0);
+    for bounces in ["0", "1"] {
+        let arguments = ["render", "one-sphere", "--strategy", "sh-exp", "-o", "r.exr", "--bounces", bounces];
+        stdout(halfshade(here.path()).args(arguments).args(picture));
+        fs::rename(here.path().join("r.exr"), here.path().join(format!("{bounces}.exr"))).unwrap();
+    }
+    let read = |name: &str| fs::read(here.path().join(name)).unwrap();
+    assert_ne!(read("0.exr"), read("1.exr"));
+    let flat = ["render", "one-sphere", "--strategy", "unshadowed", "--bounces", "1"];
+    assert!(refused(halfshade(here.path()).args(flat)).contains("can't model interreflection"));
+    assert!(refused(halfshade(here.path()).args(["truth", "one-sphere", "--bounces", "99"])).contains("at most"));
+
+    let bounced = SMALL.replace("name = \"one-sphere\"", "name = \"one-sphere\"\nbounces = 1\nspheres = 2")
+        + "[[strategy]]\nname = \"sh-exp\"\n";
+    write(here.path(), "bounced.toml", &bounced);
+    stdout(halfshade(here.path()).args(["run", "bounced.toml"]));
+    let json: Value = serde_json::from_slice(&read("out/small/results.json")).unwrap();
+    let runs = json["runs"].as_array().unwrap();
+    let of = |strategy: &str| runs.iter().find(|run| run["strategy"] == strategy).unwrap();
+    assert_eq!(of("sh-exp")["error"]["transport"], "bounces=1");
+    assert_eq!(of("sh-exp")["scene"], "one-sphere, 2 spheres");
+    assert_eq!(of("unshadowed")["status"], "unsupported");
+    for (line, problem) in [
+        ("bounces = 99", "at most"),
+        ("camera = { eye = [0, 0, 0], target = [0, 0, 0], vertical_fov_degrees = 40 }", "camera:"),
+    ] {
+        write(here.path(), "bad.toml", &bounced.replace("bounces = 1", line));
+        let message = refused(halfshade(here.path()).args(["run", "bad.toml"]));
+        assert!(message.contains("bad.toml:14") && message.contains(problem), "{message}");
+    }
+    let difference = "difference = [\"sh-exp\", \"sh-exp:bands=7\"]\n[[scene]]";
+    write(here.path(), "bad.toml", &bounced.replace("[[scene]]", difference));
+    assert!(refused(halfshade(here.path()).args(["run", "bad.toml"])).contains("not among the strategies"));
+}

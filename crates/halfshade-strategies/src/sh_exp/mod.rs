@@ -11,7 +11,25 @@
 //!
 //! `exp=product` multiplies the blockers one after another instead (eq. 4.6), which is what the logarithm approximates.
 //!
-//! Two variants go beyond the papers. `exp=quadratic` replaces the optimal-linear form within the hybrid by the first two
+//! **Hierarchy.** `levels=cluster` takes coarser spheres for objects that a cluster of receivers sees from afar, one level
+//! of each object; `levels=tree` goes down the hierarchy sphere by sphere. With `ratios=on` the log blocker of a parent is
+//! scaled band by band to the sum of its children's at the cluster's centre [Guerrero2007, eq. 4.8, 4.9].
+//!
+//! **Reflections** [Guerrero2007, 4.3]. In scenes that ask for bounces of light, the spheres that block also radiate what
+//! the surface near them reflects. Light at sample points of the surface, times the surface's colours, is an SH vector r
+//! on each sphere; a receiver adds up
+//!
+//! ```text
+//! L = albedo · Σ_i L̃_i · ρ_n · (exp(S_i) - exp(S_i + log B_i))        S_i = Σ over nearer spheres of log B
+//! ```
+//!
+//! with L̃_i the average of r_i over what it sees of the sphere, see [`halfshade_sh::form_factor`], and ρ_n the clamped
+//! cosine over π. As published: `intersections=precomputed,walk=quadratic,projection=product,form-factor=cosine`. The
+//! default takes intersecting spheres in order instead of baking who covers whom, which brings the built-in scenes nearer
+//! to the truth at less cost (`results/thesis-frame-rates`). More bounces repeat the first pass with what the last one
+//! found. `bounces=0` leaves it at shadows. Objects without spheres neither block nor reflect.
+//!
+//! Two variants of shadows go beyond the papers. `exp=quadratic` replaces the optimal-linear form within the hybrid by the first two
 //! powers of the series, see [`halfshade_sh::exponential::Method::Quadratic`]. `exp=shares` has no exponential: where k
 //! spheres overlap as the receiver sees them, each is given 1/k of the direction, and V is 1 minus the caps times their
 //! shares, found at `points` points per sphere, see [`halfshade_sh::kernel::ExposedShares`].
@@ -44,26 +62,23 @@ mod exposed;
 mod levels;
 mod light_product;
 mod moment;
+mod parameters;
 mod reflections;
 mod shade;
 mod sun_product;
 
 use cuts::{Choice, CutOf, CutSettings, Cuts, ReceiverCluster};
 use halfshade_scene::{
-    Frame, Progress, RadianceBuffer, RadianceMut, Receivers, Scene, light::OctahedralGrid, scene::MAX_BOUNCES,
-    spheres::AdjustRule,
+    Frame, Progress, RadianceBuffer, RadianceMut, Receivers, Scene, light::OctahedralGrid, spheres::AdjustRule,
 };
 use halfshade_sh::{
     blocker_table::{BlockerTable, Quantity},
     dispatch_bands,
     exponential::{Exponential, Method},
     kernel::BatchExponential,
-    logarithm,
     window::Window,
 };
-use halfshade_strategy::{
-    Baked, Effect, Effects, Footprint, Info, Parameter, ParameterKind, Params, Strategy, StrategyError,
-};
+use halfshade_strategy::{Baked, Effect, Effects, Footprint, Info, Params, Strategy, StrategyError};
 use levels::{Levels, Overlap};
 use light_product::LightProduct;
 use moment::Moment;
@@ -74,144 +89,22 @@ use std::sync::Arc;
 #[derive(Debug, Clone, Copy, Default)]
 pub struct ShExp;
 
+const NO_LOCAL_LIGHTS: &str =
+    "local lights: the spherical harmonics of an infinitely distant light don't describe a light at a finite distance";
+
 const NO_REFLECTING_TREES: &str =
     "reflections from a cut through the tree: covering between spheres is baked for spheres of one level";
 
 /// Sample points per unit of parallel work.
 const SAMPLE_POINT_CHUNK: usize = 256;
 
-const NO_LOCAL_LIGHTS: &str =
-    "local lights: the spherical harmonics of an infinitely distant light don't describe a light at a finite distance";
-
 impl Strategy for ShExp {
     fn info(&self) -> Info {
-        let parameter = |name, summary, kind| Parameter { name, summary, kind };
-        let choice = |values, default| ParameterKind::Choice { values, default };
         Info {
             name: "sh-exp",
             summary: "sum of log blockers of spheres in spherical harmonics, exponentiated",
             source: "[Guerrero2007, 4.2]",
-            parameters: vec![
-                parameter(
-                    "exp",
-                    "how blockers combine: product, one after another; the exponential of summed logarithms; or exposed shares",
-                    choice(&["product", "series", "optimal-linear", "hybrid", "quadratic", "shares"], "hybrid"),
-                ),
-                parameter("bands", "bands of visibility", ParameterKind::Integer { default: 4, min: 1, max: 8 }),
-                parameter(
-                    "magnitude-limit",
-                    "hybrid, quadratic, series: magnitude at which squaring starts; 0: 8/bands² for the hybrid, else 1",
-                    ParameterKind::Float { default: 0.0, min: 0.0, max: 100.0 },
-                ),
-                parameter(
-                    "squaring",
-                    "one squaring more at each power of two of the limit: as published, or blended to be continuous",
-                    choice(&["continuous", "published"], "continuous"),
-                ),
-                parameter(
-                    "points",
-                    "shares: points per sphere that ask how many others cover them",
-                    ParameterKind::Integer { default: 8, min: 1, max: 64 },
-                ),
-                parameter("terms", "series: highest power", ParameterKind::Integer { default: 9, min: 1, max: 16 }),
-                parameter(
-                    "scaling",
-                    "series: whether to scale and square as the hybrid does; it diverges for many blockers if not",
-                    choice(&["off", "on"], "on"),
-                ),
-                parameter("window", "against ringing", choice(&["none", "hann", "lanczos"], "none")),
-                parameter(
-                    "clip",
-                    "smallest eigenvalue that the logarithm takes",
-                    ParameterKind::Float { default: logarithm::DEFAULT_CLIP, min: 1e-6, max: 0.5 },
-                ),
-                parameter(
-                    "rule",
-                    "spheres that cut the tangent plane: as published, continuous, or covering what is under them",
-                    choice(&["continuous", "covering", "published"], "continuous"),
-                ),
-                parameter(
-                    "overlap",
-                    "spheres of one object that cover each other: count each in full, or by its share of the silhouette",
-                    choice(&["independent", "shared"], "independent"),
-                ),
-                parameter(
-                    "levels",
-                    "spheres of the hierarchy: its leaves, per receiver cluster one level of each object, or a cut through the tree",
-                    choice(&["leaves", "cluster", "tree"], "leaves"),
-                ),
-                parameter(
-                    "branching",
-                    "children per parent in the hierarchy",
-                    ParameterKind::Integer { default: 4, min: 2, max: 16 },
-                ),
-                parameter(
-                    "cut-angle",
-                    "largest angular radius, in degrees, of a sphere that stands for finer ones",
-                    ParameterKind::Float { default: 15.0, min: 0.0, max: 90.0 },
-                ),
-                parameter(
-                    "ratios",
-                    "scale coarse spheres to what finer ones give at the cluster's centre",
-                    choice(&["on", "off"], "on"),
-                ),
-                parameter(
-                    "bounces",
-                    "most diffuse bounces, if the scene asks for more; 0: shadows alone",
-                    ParameterKind::Integer { default: MAX_BOUNCES as i64, min: 0, max: MAX_BOUNCES as i64 },
-                ),
-                parameter(
-                    "reflection-exp",
-                    "reflections: the exponential of the summed logarithms",
-                    choice(&["series", "optimal-linear", "hybrid", "quadratic"], "hybrid"),
-                ),
-                parameter(
-                    "reflection-limit",
-                    "reflections: magnitude at which squaring starts; 0: as for shadows",
-                    ParameterKind::Float { default: 4.8, min: 0.0, max: 100.0 },
-                ),
-                parameter(
-                    "intersections",
-                    "reflections: covering between intersecting spheres baked into their colours, or found by order",
-                    choice(&["precomputed", "ordered"], "ordered"),
-                ),
-                parameter(
-                    "order",
-                    "reflections: nearer is by the distance of centres, or by power distance",
-                    choice(&["center", "power"], "center"),
-                ),
-                parameter(
-                    "walk",
-                    "reflections: sums over nearer spheres one by one, or from a running sum",
-                    choice(&["linear", "quadratic"], "linear"),
-                ),
-                parameter(
-                    "projection",
-                    "reflections: light times colours as an SH product, or projected directly",
-                    choice(&["direct", "product"], "direct"),
-                ),
-                parameter(
-                    "radiance-bands",
-                    "reflections: bands of what each sphere radiates, at most those of visibility; 0: as many",
-                    ParameterKind::Integer { default: 0, min: 0, max: 8 },
-                ),
-                parameter(
-                    "form-factor",
-                    "reflections: average over a sphere weighted by the surface's cosine, or by solid angle",
-                    choice(&["cosine", "solid-angle"], "solid-angle"),
-                ),
-                parameter(
-                    "sample-divisions",
-                    "reflections: 10n² + 2 sample points around each sphere",
-                    ParameterKind::Integer { default: 2, min: 1, max: 6 },
-                ),
-                parameter("clamp", "hold radiance between 0 and unshadowed", choice(&["off", "on"], "off")),
-                parameter(
-                    "normals",
-                    "cells from the centre of the table over normals to its side",
-                    ParameterKind::Integer { default: 32, min: 2, max: 128 },
-                ),
-            ],
+            parameters: parameters::all(),
             effects: Effects::of(&[
                 Effect::EnvironmentLight,
                 Effect::ColouredLight,
