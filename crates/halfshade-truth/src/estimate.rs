@@ -18,7 +18,7 @@ use crate::{
     caps::Caps,
     environment::LUMINANCE,
     lights::Integral,
-    paths::Paths,
+    paths::{Orders, Paths},
     points::{MAX_POINTS, Points, Scramble},
     receiver::Receiver,
     sphere_albedo::SphereAlbedo,
@@ -159,12 +159,14 @@ fn one_round(
     let table = Points::first(if shadowed { points } else { 0 });
     let on_spheres = shadowed && options.bounces > 0 && options.geometry != Geometry::Mesh;
     let sphere_albedo = on_spheres.then(|| SphereAlbedo::new(tracer));
+    let depths = if shadowed { options.bounces } else { 0 };
+    let orders = Orders::new(points, depths, 1 + 2 * tracer.lights.integrals().count(), options.seed);
     progress.start("tracing", count as u64);
     let chunks: Vec<Vec<Value>> = (0..count.div_ceil(CHUNK))
         .into_par_iter()
         .map(|chunk| {
             let range = chunk * CHUNK..((chunk + 1) * CHUNK).min(count);
-            let mut worker = Worker::new(tracer, options, &table, sphere_albedo.as_ref());
+            let mut worker = Worker::new(tracer, options, (&table, &orders), sphere_albedo.as_ref());
             let values = range.clone().map(|i| worker.value(&receivers, i)).collect();
             progress.advance(range.len() as u64);
             values
@@ -227,10 +229,10 @@ impl<'a> Worker<'a> {
     fn new(
         tracer: &'a Tracer,
         options: &'a Options,
-        points: &'a Points,
+        (points, orders): (&'a Points, &'a Orders),
         sphere_albedo: Option<&'a SphereAlbedo>,
     ) -> Self {
-        let paths = Paths::new(tracer, options, points, sphere_albedo);
+        let paths = Paths::new(tracer, options, (points, orders), sphere_albedo);
         Self { tracer, options, points, caps: Caps::default(), batch: Batch::new(), paths }
     }
 

@@ -6,8 +6,9 @@
 //!
 //! A path leaves the receiver along a direction drawn with the density cos θ/π and goes on in the same way from what it
 //! hits, `bounces` times. At every hit, direct light E is estimated with one sample of each technique of each light. There
-//! is no Russian roulette: b bounces are b bounces. Every depth and technique has a scrambling of its own, and the k-th
-//! path takes the k-th point of each.
+//! is no Russian roulette: b bounces are b bounces. Every depth and technique has a scrambling of its own, and visits the
+//! points in an order of its own: scramblings of one point share its binary subdivisions, and paths that took the k-th
+//! point everywhere would leave most combinations out.
 //!
 //! Both faces of a triangle reflect, as both block. On a sphere the albedo is that of the vertex of the object's mesh that
 //! is nearest to the point, from a table over directions.
@@ -28,6 +29,33 @@ use std::f64::consts::FRAC_1_PI;
 const FIRST_SCRAMBLE: u32 = 1 << 24;
 const SCRAMBLES_PER_DEPTH: u32 = 1 << 16;
 
+/// Random orders in which points are visited, one for each depth and technique; the same for all receivers, whose
+/// scramblings differ.
+#[derive(Debug)]
+pub(crate) struct Orders {
+    orders: Vec<Vec<u32>>,
+    per_depth: usize,
+}
+
+impl Orders {
+    /// Of `points` points for so many depths and scramblings per depth.
+    pub(crate) fn new(points: usize, depths: usize, per_depth: usize, seed: u64) -> Self {
+        let shuffled = |number: usize| {
+            let mut order: Vec<u32> = (0..points as u32).collect();
+            for last in (1..points).rev() {
+                let [random, _] = Scramble::new(seed, number as u32, u32::MAX, last as u32).words();
+                order.swap(last, random as usize % (last + 1));
+            }
+            order
+        };
+        Self { orders: (0..depths * per_depth).map(shuffled).collect(), per_depth }
+    }
+
+    fn at(&self, depth: usize, number: u32, k: usize) -> usize {
+        self.orders[depth * self.per_depth + number as usize][k] as usize
+    }
+}
+
 /// What a path meets, ready to be lit.
 struct Met {
     receiver: Receiver,
@@ -39,6 +67,7 @@ pub(crate) struct Paths<'a> {
     tracer: &'a Tracer,
     options: &'a Options,
     points: &'a Points,
+    orders: &'a Orders,
     sphere_albedo: Option<&'a SphereAlbedo>,
     /// What the receiver and each surface along a path see of the spheres.
     caps: Vec<Caps>,
@@ -50,11 +79,11 @@ impl<'a> Paths<'a> {
     pub(crate) fn new(
         tracer: &'a Tracer,
         options: &'a Options,
-        points: &'a Points,
+        (points, orders): (&'a Points, &'a Orders),
         sphere_albedo: Option<&'a SphereAlbedo>,
     ) -> Self {
         let caps = (0..=options.bounces).map(|_| Caps::default()).collect();
-        Self { tracer, options, points, sphere_albedo, caps, batch: Batch::new(), rays: 0 }
+        Self { tracer, options, points, orders, sphere_albedo, caps, batch: Batch::new(), rays: 0 }
     }
 
     /// Irradiance by reflected light at `receiver`, whose stable number is `index`, as one replicate estimates it.
@@ -74,7 +103,8 @@ impl<'a> Paths<'a> {
     fn incident(&mut self, from: &Receiver, depth: usize, k: usize, path: (u32, u32)) -> DVec3 {
         let first = FIRST_SCRAMBLE + SCRAMBLES_PER_DEPTH * depth as u32;
         let scramble = |number| Scramble::new(self.options.seed, path.0, first + number, path.1);
-        let [u, v] = scramble(0).apply(self.points.as_slice()[k]).map(unit_f32);
+        let point = self.points.as_slice()[self.orders.at(depth, 0, k)];
+        let [u, v] = scramble(0).apply(point).map(unit_f32);
         let direction = from.axes.direction(u.sqrt(), (1.0 - u).sqrt(), v);
         self.rays += 1;
         let Some(met) = self.meet(from, depth, Vec3::from(direction)) else { return DVec3::ZERO };
@@ -93,14 +123,15 @@ impl<'a> Paths<'a> {
 
     /// Direct irradiance from one sample of each technique.
     fn direct(&mut self, at: &Receiver, depth: usize, k: usize, scramble: impl Fn(u32) -> Scramble) -> DVec3 {
-        let Self { tracer, options, points, caps, batch, rays, .. } = self;
+        let Self { tracer, options, points, orders, caps, batch, rays, .. } = self;
         let lights = &tracer.lights;
         let mut irradiance = DVec3::ZERO;
         for (number, integral) in lights.integrals().enumerate() {
             let techniques = lights.techniques(integral, at, &tracer.space);
             for (which, technique) in techniques.iter().enumerate().filter_map(|(i, t)| Some((i, t.as_ref()?))) {
-                let scramble = scramble(1 + 2 * number as u32 + which as u32);
-                lights.sample(technique, at, &points.as_slice()[k..=k], scramble, batch);
+                let own = 1 + 2 * number as u32 + which as u32;
+                let place = orders.at(depth, own, k);
+                lights.sample(technique, at, &points.as_slice()[place..=place], scramble(own), batch);
                 *rays += match options.geometry {
                     Geometry::Mesh => trace_mesh(tracer, at.ray_origin, batch),
                     Geometry::Spheres(_) => {

@@ -44,6 +44,11 @@ impl Scramble {
         Self([hash(state ^ 0x517c_c1b7), hash(state ^ 0x2722_0a95)])
     }
 
+    /// The random bits that it is made of.
+    pub(crate) fn words(self) -> [u32; 2] {
+        self.0
+    }
+
     /// A point of the sequence, scrambled, as whole numbers of 32 bits.
     #[inline(always)]
     pub(crate) fn apply(self, reversed: [u32; 2]) -> [u32; 2] {

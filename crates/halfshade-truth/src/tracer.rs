@@ -226,10 +226,12 @@ impl Tracer {
         let [a, b, c] = vertices.map(|v| pose.transform_point(mesh.positions[v]).as_dvec3());
         let face = (b - a).cross(c - a).normalize_or(DVec3::Y);
         let normal = blend(&|v| pose.transform_direction(mesh.normals[v])).normalize_or(face).as_vec3();
-        let seen_from_behind = face.dot(direction.as_dvec3()) > 0.0;
+        // Towards where the ray came from, whichever way the mesh's normals and its winding say is outside.
+        let toward = if face.dot(direction.as_dvec3()) > 0.0 { -face } else { face };
+        let turned = normal.as_dvec3().dot(toward) < 0.0;
         Surface {
             position,
-            normal: if seen_from_behind { -normal } else { normal },
+            normal: if turned { -normal } else { normal },
             albedo: object.albedo_at(hit.triangle as usize, hit.barycentrics.as_dvec3()),
             object: hit.object,
         }

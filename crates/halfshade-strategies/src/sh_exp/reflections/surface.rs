@@ -153,7 +153,8 @@ pub(super) fn surfaces(
                     surface.weights.extend(vector.iter().map(|&value| value as f32));
                 }
             }
-            surface
+            // What reflects nothing needs no light.
+            if surface.weights.iter().all(|&weight| weight == 0.0) { SphereSurface::default() } else { surface }
         })
         .collect()
 }
