@@ -271,7 +271,10 @@ fn legend<B: DrawingBackend>(area: &DrawingArea<B, Shift>, scale: u32, series: &
             .map_err(text)?;
         let (inside, outline) = mark(series.mark, series.color, true, scale);
         area.draw(&(EmptyElement::at((px(19), y)) + inside + outline)).map_err(text)?;
-        area.draw(&Text::new(series.name.clone(), (px(44), y), style())).map_err(text)?;
+        for (number, line) in wrapped(&series.name).into_iter().enumerate() {
+            y += if number > 0 { px(16) } else { 0 };
+            area.draw(&Text::new(line, (px(44), y), style())).map_err(text)?;
+        }
         y += px(24);
     }
     for series in series.iter().filter(|series| !series.numbers.is_empty()) {
@@ -299,6 +302,24 @@ fn legend<B: DrawingBackend>(area: &DrawingArea<B, Shift>, scale: u32, series: &
         }
     }
     Ok(())
+}
+
+/// Letters that fit beside a mark of the legend.
+const LEGEND_LETTERS: usize = 30;
+
+/// A name in lines that fit the legend, broken between words.
+fn wrapped(name: &str) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in name.split(' ') {
+        match lines.last_mut() {
+            Some(line) if line.len() + word.len() < LEGEND_LETTERS => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
 }
 
 /// A filled polygon and its outline, in pixels.
@@ -378,6 +399,15 @@ mod tests {
         let labels = |range| ticks(&range).into_iter().filter_map(|(_, label)| label).collect::<Vec<_>>();
         assert_eq!(labels(0.03..0.4), ["0.05", "0.1", "0.2"]);
         assert_eq!(labels(0.5..2000.0), ["1", "10", "100", "1000"]);
+    }
+
+    #[test]
+    fn long_names_are_broken_between_words() {
+        assert_eq!(wrapped("sh-exp hybrid"), ["sh-exp hybrid"]);
+        let name = "sh-exp solid-angle precomputed leaves center direct hybrid linear";
+        let lines = wrapped(name);
+        assert!(lines.len() > 1 && lines.iter().all(|line| line.len() <= LEGEND_LETTERS), "{lines:?}");
+        assert_eq!(lines.join(" "), name);
     }
 
     #[test]
