@@ -1,6 +1,9 @@
 //! Effects: what a scene requires and a strategy can model.
 
-use halfshade_scene::{Scene, light::DistantLight};
+use halfshade_scene::{
+    Scene,
+    light::{DistantLight, is_grey},
+};
 use std::fmt;
 
 /// One thing light does, or a scene does.
@@ -77,11 +80,10 @@ impl Effects {
     /// What `scene` requires; nothing more, so that nobody pays for what isn't there.
     pub fn required_by(scene: &Scene) -> Self {
         let mut effects = Vec::new();
-        let grey = |c: glam::Vec3| c.x == c.y && c.y == c.z;
         let (dark, base_grey) = match &scene.environment.base {
-            DistantLight::Constant(c) => (*c == glam::Vec3::ZERO, grey(*c)),
+            DistantLight::Constant(c) => (*c == glam::Vec3::ZERO, is_grey(*c)),
             DistantLight::Map(map) => {
-                (map.texels().iter().all(|t| *t == glam::Vec3::ZERO), map.texels().iter().all(|t| grey(*t)))
+                (map.texels().iter().all(|t| *t == glam::Vec3::ZERO), map.texels().iter().all(|t| is_grey(*t)))
             }
         };
         if !dark || scene.environment.sun.is_some() {
@@ -90,8 +92,8 @@ impl Effects {
         if !scene.lights.is_empty() {
             effects.push(Effect::LocalLights);
         }
-        let lights_grey = scene.lights.iter().all(|(light, _)| grey(light.radiance));
-        if !(base_grey && lights_grey && scene.environment.sun.is_none_or(|sun| grey(sun.radiance))) {
+        let lights_grey = scene.lights.iter().all(|(light, _)| is_grey(light.radiance));
+        if !(base_grey && lights_grey && scene.environment.sun.is_none_or(|sun| is_grey(sun.radiance))) {
             effects.push(Effect::ColouredLight);
         }
         if scene.bounces > 0 {

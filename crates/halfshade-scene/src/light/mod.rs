@@ -22,6 +22,11 @@ pub use sphere_light::SphereLight;
 
 use glam::Vec3;
 
+/// Whether all channels are equal.
+pub fn is_grey(color: Vec3) -> bool {
+    color.x == color.y && color.y == color.z
+}
+
 /// Relative luminance of linear Rec. 709 radiance: 0.2126 R + 0.7152 G + 0.0722 B, in the unit of the radiance.
 pub fn luminance(radiance: Vec3) -> f32 {
     radiance.dot(Vec3::new(0.2126, 0.7152, 0.0722))

@@ -40,7 +40,7 @@ impl Exposure {
             let scale = prepared.table.lookup::<N>(seen.sin_squared).map(|value| value * share);
             kernel::accumulate_lobe(seen.direction, &scale, &mut visibility);
         }
-        visibility[0] += f32x8::splat((4.0 * std::f32::consts::PI).sqrt());
+        visibility[0] += f32x8::splat(kernel::FULL);
         kernel::limit_to_visibility(&mut visibility);
         visibility
     }

@@ -12,7 +12,7 @@ use super::sun_product::SunProduct;
 use glam::Vec3;
 use halfshade_scene::{
     Environment,
-    light::{DirectionalCells, DistantLight, OctahedralGrid},
+    light::{DirectionalCells, DistantLight, OctahedralGrid, is_grey},
 };
 use halfshade_sh::{
     basis,
@@ -78,7 +78,7 @@ impl LightProduct {
             self.table = Vec::new();
             return;
         };
-        self.channels = if map.texels().iter().all(|t| t.x == t.y && t.y == t.z) { 1 } else { 3 };
+        self.channels = if map.texels().iter().all(|&texel| is_grey(texel)) { 1 } else { 3 };
         let cells = DirectionalCells::new(map);
         let count = self.bands * self.bands;
         let values: Vec<f32> = (cells.direction.iter())

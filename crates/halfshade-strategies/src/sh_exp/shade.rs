@@ -149,7 +149,7 @@ fn multiplied<const N: usize>(
     normal: &[f32x8; 3],
 ) -> ShBatch<N> {
     let mut visibility = [f32x8::ZERO; N];
-    visibility[0] = f32x8::splat((4.0 * std::f32::consts::PI).sqrt());
+    visibility[0] = f32x8::splat(kernel::FULL);
     for blocker in blockers {
         if let Some(seen) = blocker.seen_from(position, normal, prepared.rule) {
             let scale = prepared.table.lookup::<N>(seen.sin_squared);

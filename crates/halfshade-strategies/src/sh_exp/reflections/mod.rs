@@ -14,7 +14,7 @@ mod surface;
 
 use super::levels::{Level, Levels};
 use emitters::{Emitters, Shape};
-use halfshade_scene::{Frame, Object, RadianceBuffer, ReceiverBuffer, Scene, Sphere};
+use halfshade_scene::{Frame, Object, RadianceBuffer, ReceiverBuffer, Scene, Sphere, light::is_grey};
 use halfshade_sh::{
     blocker_table::BlockerTable,
     form_factor::{FormFactorTable, Weighting},
@@ -86,10 +86,10 @@ impl Reflections {
         };
         let projection =
             if params.choice("projection") == "product" { Projection::Product } else { Projection::Direct };
-        let grey = |c: glam::Vec3| c.x == c.y && c.y == c.z;
         let colourless = scene.objects.iter().all(|object| {
             let textured = object.material.texture.is_some() || !object.mesh.textures.is_empty();
-            let grey_surface = grey(object.material.albedo) && object.mesh.colors.iter().all(|&color| grey(color));
+            let grey_surface =
+                is_grey(object.material.albedo) && object.mesh.colors.iter().all(|&color| is_grey(color));
             object.sphere_count == 0 || grey_surface && !textured
         });
         let coloured_light = Effects::required_by(scene).contains(Effect::ColouredLight);
