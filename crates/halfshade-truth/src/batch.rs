@@ -13,7 +13,8 @@ pub(crate) struct Batch {
     pub(crate) direction: [[f32; BATCH]; 3],
     /// Length of the ray in tracing space: beyond it nothing blocks. Infinite for distant light.
     pub(crate) distance: [f32; BATCH],
-    /// Radiance times cosine over density, per channel: the sample's estimate of unshadowed irradiance.
+    /// Radiance times cosine over density, per channel: the sample's estimate of unshadowed irradiance. 0 past the last
+    /// sample in use.
     pub(crate) value: [[f32; BATCH]; 3],
     /// 1 where the light is seen, 0 where it is blocked.
     pub(crate) visible: [f32; BATCH],
@@ -41,6 +42,13 @@ impl Batch {
     pub(crate) fn set_value(&mut self, k: usize, value: [f32; 3]) {
         for (row, component) in self.value.iter_mut().zip(value) {
             row[k] = component;
+        }
+    }
+
+    /// Puts out the samples that are not in use.
+    pub(crate) fn clear_rest(&mut self) {
+        for channel in &mut self.value {
+            channel[self.len..].fill(0.0);
         }
     }
 

@@ -5,14 +5,14 @@
 //! luminance of the absolute values of its channels: a band-limited light may be negative.
 
 use crate::{
-    batch::Batch,
+    batch::{BATCH, Batch},
     directions::sin_cos_turns,
     points::{Scramble, unit_f64},
     receiver::Receiver,
 };
 use glam::{Mat3, Quat, Vec3};
 use halfshade_scene::light::EnvironmentMap;
-use std::f64::consts::PI;
+use std::{f32::consts::FRAC_1_PI, f64::consts::PI};
 
 /// Luminance of Rec. 709 primaries.
 pub(crate) const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
@@ -117,73 +117,120 @@ impl MapSampler {
     /// Turns directions of a batch, drawn with the density cos/π, into samples: both techniques draw equally many, and
     /// the balance heuristic divides radiance times cosine by the sum of their densities.
     pub(crate) fn weigh_cosine_samples(&self, receiver: &Receiver, batch: &mut Batch) {
-        let normal = receiver.axes.axis;
         let m = self.environment_from_world;
-        let mut texel_of = [0_u32; crate::batch::BATCH];
-        let mut cosine_of = [0.0_f32; crate::batch::BATCH];
         let (width, height) = (self.width as f32, self.height as f32);
-        for k in 0..crate::batch::BATCH {
-            let [x, y, z] = [batch.direction[0][k], batch.direction[1][k], batch.direction[2][k]];
-            cosine_of[k] = (x * normal.x + y * normal.y + z * normal.z).max(0.0);
+        let (mut columns, mut rows) = ([0.0_f32; BATCH], [0.0_f32; BATCH]);
+        let [x, y, z] = &batch.direction;
+        for k in 0..BATCH {
             let e = [
-                x * m.x_axis.x + y * m.y_axis.x + z * m.z_axis.x,
-                x * m.x_axis.y + y * m.y_axis.y + z * m.z_axis.y,
-                x * m.x_axis.z + y * m.y_axis.z + z * m.z_axis.z,
+                x[k] * m.x_axis.x + y[k] * m.y_axis.x + z[k] * m.z_axis.x,
+                x[k] * m.x_axis.y + y[k] * m.y_axis.y + z[k] * m.z_axis.y,
+                x[k] * m.x_axis.z + y[k] * m.y_axis.z + z[k] * m.z_axis.z,
             ];
             let u = turns(e[0], -e[2]) + 0.5;
             let v = 2.0 * turns((e[0] * e[0] + e[2] * e[2]).sqrt(), e[1]);
-            let column = (u * width).clamp(0.0, width - 1.0) as u32;
-            let row = (v * height).clamp(0.0, height - 1.0) as u32;
-            texel_of[k] = row * self.width as u32 + column;
+            columns[k] = u * width;
+            rows[k] = v * height;
         }
+        let mut texels = [0; BATCH];
         for k in 0..batch.len {
-            let [r, g, b, density] = self.texels[texel_of[k] as usize];
-            let weight = cosine_of[k] / (cosine_of[k] * std::f32::consts::FRAC_1_PI + density).max(f32::MIN_POSITIVE);
-            batch.set_value(k, [r * weight, g * weight, b * weight]);
+            let (column, row) = ((columns[k] as usize).min(self.width - 1), (rows[k] as usize).min(self.height - 1));
+            texels[k] = row * self.width + column;
         }
+        self.weigh(receiver, &texels, batch);
     }
 
     /// Draws directions of the map technique and weighs them as [`Self::weigh_cosine_samples`] does.
+    ///
+    /// What fills vector registers and what searches tables are loops of their own.
     pub(crate) fn sample(&self, receiver: &Receiver, points: &[[u32; 2]], scramble: Scramble, batch: &mut Batch) {
-        let normal = receiver.axes.axis;
+        let (mut across, mut down) = ([0.0_f64; BATCH], [0.0_f64; BATCH]);
         for (k, &point) in points.iter().enumerate() {
-            let [x, y] = scramble.apply(point).map(unit_f64);
-            let (row, y_in_row) = self.choose_row(y);
-            let (column, x_in_column) = self.choose_column(row, x);
+            [across[k], down[k]] = scramble.apply(point).map(unit_f64);
+        }
+        let (mut cosines, mut texels) = ([0.0_f64; BATCH], [0; BATCH]);
+        for k in 0..points.len() {
+            let (row, y_in_row) = self.choose_row(down[k]);
             let (upper, lower) = (self.row_cosines[row], self.row_cosines[row + 1]);
-            let cosine = upper + (lower - upper) * y_in_row;
-            let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
+            cosines[k] = upper + (lower - upper) * y_in_row;
+            texels[k] = row * self.width;
+        }
+        let turns = self.choose_columns(&across, &mut texels, points.len());
+        let m = self.world_from_environment;
+        for k in 0..BATCH {
+            // Near the zenith single precision would lose the sine.
+            let sine = (1.0 - cosines[k] * cosines[k]).max(0.0).sqrt() as f32;
             // Half a turn from where the columns begin: both sine and cosine change sign.
-            let (sin, cos) = sin_cos_turns(((column as f64 + x_in_column) / self.width as f64) as f32);
-            let sine = sine as f32;
-            let direction = Vec3::new(-sine * sin, cosine as f32, sine * cos);
-            let direction = self.world_from_environment * direction;
-            let cosine = direction.dot(normal).max(0.0);
-            let [r, g, b, density] = self.texels[row * self.width + column];
-            let weight = cosine / (cosine * std::f32::consts::FRAC_1_PI + density).max(f32::MIN_POSITIVE);
-            batch.set_direction(k, direction.to_array());
-            batch.set_value(k, [r * weight, g * weight, b * weight]);
+            let (sin, cos) = sin_cos_turns(turns[k]);
+            let (x, y, z) = (-sine * sin, cosines[k] as f32, sine * cos);
+            batch.direction[0][k] = x * m.x_axis.x + y * m.y_axis.x + z * m.z_axis.x;
+            batch.direction[1][k] = x * m.x_axis.y + y * m.y_axis.y + z * m.z_axis.y;
+            batch.direction[2][k] = x * m.x_axis.z + y * m.y_axis.z + z * m.z_axis.z;
+        }
+        self.weigh(receiver, &texels, batch);
+    }
+
+    /// Radiance of the texels that the directions fall in times cosine, over the sum of both techniques' densities.
+    fn weigh(&self, receiver: &Receiver, texels: &[usize; BATCH], batch: &mut Batch) {
+        let normal = receiver.axes.axis;
+        let mut densities = [0.0; BATCH];
+        for k in 0..batch.len {
+            let [r, g, b, density] = self.texels[texels[k]];
+            batch.set_value(k, [r, g, b]);
+            densities[k] = density;
+        }
+        let Batch { direction: [x, y, z], value, .. } = batch;
+        let mut weights = [0.0; BATCH];
+        for k in 0..BATCH {
+            let cosine = (x[k] * normal.x + y[k] * normal.y + z[k] * normal.z).max(0.0);
+            weights[k] = cosine / (cosine * FRAC_1_PI + densities[k]).max(f32::MIN_POSITIVE);
+        }
+        for channel in value {
+            (0..BATCH).for_each(|k| channel[k] *= weights[k]);
         }
     }
 
     fn choose_row(&self, y: f64) -> (usize, f64) {
-        let mut row = self.row_guide[(y * self.height as f64) as usize] as usize;
-        while row + 1 < self.height && self.rows[row + 1] <= y {
-            row += 1;
-        }
+        let first = self.row_guide[(y * self.height as f64) as usize] as usize;
+        let row = first_past(y, first, |row| self.rows[row + 1]);
         let (low, high) = (self.rows[row], self.rows[row + 1]);
         (row, ((y - low) / (high - low)).clamp(0.0, 1.0))
     }
 
-    fn choose_column(&self, row: usize, x: f64) -> (usize, f64) {
-        let columns = &self.columns[row * self.width..][..self.width];
-        let mut column = self.column_guide[row * self.width + (x * self.width as f64) as usize] as usize;
-        while column + 1 < self.width && f64::from(columns[column]) <= x {
-            column += 1;
+    /// Chooses a column in the row that begins at each texel number, adds it, and returns how far around the chosen point
+    /// is, in turns from the first column.
+    ///
+    /// The tables are large. Reading first all guides, then all first edges, lets their delays overlap.
+    fn choose_columns(&self, across: &[f64; BATCH], texels: &mut [usize; BATCH], count: usize) -> [f32; BATCH] {
+        let (mut turns, begins) = ([0.0_f32; BATCH], *texels);
+        for k in 0..count {
+            texels[k] += self.column_guide[texels[k] + (across[k] * self.width as f64) as usize] as usize;
         }
-        let low = if column == 0 { 0.0 } else { f64::from(columns[column - 1]) };
-        (column, ((x - low) / (f64::from(columns[column]) - low)).clamp(0.0, 1.0))
+        for k in 0..count {
+            texels[k] += usize::from(f64::from(self.columns[texels[k]]) <= across[k]);
+        }
+        for k in 0..count {
+            let (begin, x) = (begins[k], across[k]);
+            let texel = first_past(x, texels[k], |texel| f64::from(self.columns[texel]));
+            let low = if texel == begin { 0.0 } else { f64::from(self.columns[texel - 1]) };
+            let x_in_column = ((x - low) / (f64::from(self.columns[texel]) - low)).clamp(0.0, 1.0);
+            turns[k] = (((texel - begin) as f64 + x_in_column) / self.width as f64) as f32;
+            texels[k] = texel;
+        }
+        turns
     }
+}
+
+/// The first entry from `first` on whose upper edge lies past `x`; the last edge of all is 1, which is past every `x`.
+///
+/// The first step, mostly the last, is taken without a branch, so that a wrong guess doesn't hold up the next search.
+#[inline(always)]
+fn first_past(x: f64, first: usize, upper_edge: impl Fn(usize) -> f64) -> usize {
+    let mut entry = first + usize::from(upper_edge(first) <= x);
+    while upper_edge(entry) <= x {
+        entry += 1;
+    }
+    entry
 }
 
 /// For each of `count` equal parts of [0, 1), the first of `count` entries whose upper edge lies past its beginning.
@@ -217,7 +264,6 @@ fn turns(x: f32, y: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::batch::BATCH;
     use crate::points::Points;
     use glam::DVec3;
     use rand::{RngExt, SeedableRng};

@@ -348,18 +348,34 @@ pub(crate) fn trace_mesh(tracer: &Tracer, origin: Vec3A, batch: &mut Batch) -> u
 }
 
 impl Sums {
+    /// Adds a batch, a vector register at a time.
     fn add(&mut self, batch: &Batch) {
-        for k in 0..batch.len {
-            let visible = f64::from(batch.visible[k]);
-            let mut weight = 0.0;
+        const LANES: usize = 4;
+        let (mut seen, mut all) = ([[0.0_f64; LANES]; 3], [[0.0_f64; LANES]; 3]);
+        let mut weight = [[0.0_f64; LANES]; 2];
+        for first in (0..BATCH).step_by(LANES) {
+            let visible: [f64; LANES] = std::array::from_fn(|k| f64::from(batch.visible[first + k]));
+            let mut luminances = [0.0_f64; LANES];
             for (channel, luminance) in LUMINANCE.into_iter().enumerate() {
-                let value = f64::from(batch.value[channel][k]);
-                self.seen[channel] += value * visible;
-                self.all[channel] += value;
-                weight += f64::from(luminance) * value.abs();
+                for k in 0..LANES {
+                    let value = f64::from(batch.value[channel][first + k]);
+                    seen[channel][k] += value * visible[k];
+                    all[channel][k] += value;
+                    luminances[k] += f64::from(luminance) * value.abs();
+                }
             }
-            self.weight[0] += weight * visible;
-            self.weight[1] += weight;
+            for k in 0..LANES {
+                weight[0][k] += luminances[k] * visible[k];
+                weight[1][k] += luminances[k];
+            }
+        }
+        let total = |lanes: &[f64; LANES]| lanes.iter().sum::<f64>();
+        for channel in 0..3 {
+            self.seen[channel] += total(&seen[channel]);
+            self.all[channel] += total(&all[channel]);
+        }
+        for (sum, lanes) in self.weight.iter_mut().zip(&weight) {
+            *sum += total(lanes);
         }
     }
 }

@@ -218,6 +218,7 @@ impl Lights {
                 cap.weigh_cosine_samples(receiver, batch);
             }
         }
+        batch.clear_rest();
     }
 }
 

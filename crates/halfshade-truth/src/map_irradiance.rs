@@ -2,14 +2,15 @@
 //!
 //! `E(n) = ∫ L(ω) max(n·ω, 0) dω` is linear in n wherever a patch of the map lies wholly above the horizon, so that the
 //! patch's first moment `∫ L ω dω` answers for all of it. A quadtree of such moments leaves only the cells that the
-//! horizon crosses, which are evaluated at their centres. Coarse maps are divided so that cells are at most
-//! 2π/1024 wide: the horizon's error is then below 1e-5 of the light along it.
+//! horizon crosses, which are evaluated at their centres, eight in a row at once. Coarse maps are divided so that cells
+//! are at most 2π/1024 wide: the horizon's error is then below 1e-5 of the light along it.
 
 use glam::{DVec3, Mat3, Quat, Vec3};
 use halfshade_scene::light::EnvironmentMap;
 use std::f64::consts::{PI, TAU};
+use wide::f32x8;
 
-/// Cells per side of a leaf of the quadtree.
+/// Cells per side of a leaf of the quadtree: its rows fill vector registers.
 const LEAF: usize = 8;
 /// Fewest columns of cells.
 const COLUMNS: usize = 1024;
@@ -34,18 +35,17 @@ struct Level {
 pub(crate) struct MapIrradiance {
     /// From the leaves to one patch.
     levels: Vec<Level>,
-    /// Columns and rows of cells.
-    cells: [usize; 2],
-    /// Cells per texel along each side.
-    division: usize,
-    /// Radiance of the texels, row by row.
-    radiance: Vec<Vec3>,
-    /// Sine and cosine of each column's azimuth.
-    azimuths: Vec<[f32; 2]>,
-    /// Sine and cosine of each row's polar angle, and the solid angle of a cell.
-    polars: Vec<[f32; 3]>,
+    /// The cells of the leaves, in the order of the last level's patches.
+    leaves: Vec<Leaf>,
+    /// Sines and cosines of the azimuths of each leaf column's cells.
+    azimuths: Vec<[f32x8; 2]>,
+    /// Sine and cosine of each row's polar angle.
+    polars: Vec<[f32; 2]>,
     environment_from_world: Mat3,
 }
+
+/// Radiance times solid angle of a leaf's cells, per row and channel; 0 past the map's edges.
+type Leaf = [[f32x8; 3]; LEAF];
 
 impl MapIrradiance {
     pub(crate) fn new(map: &EnvironmentMap, world_from_environment: Quat) -> Self {
@@ -54,14 +54,16 @@ impl MapIrradiance {
         let azimuth_at = |edge: f64| TAU * (edge / cells[0] as f64 - 0.5);
         let polar_at = |edge: f64| PI * edge / cells[1] as f64;
         let sin_cos = |angle: f64| [angle.sin() as f32, angle.cos() as f32];
-        let azimuths = (0..cells[0]).map(|column| sin_cos(azimuth_at(column as f64 + 0.5))).collect();
-        let polars = (0..cells[1])
-            .map(|row| {
-                let [sin, cos] = sin_cos(polar_at(row as f64 + 0.5));
-                let (upper, lower) = (polar_at(row as f64).cos(), polar_at(row as f64 + 1.0).cos());
-                [sin, cos, (TAU / cells[0] as f64 * (upper - lower)) as f32]
+        let mut size = cells.map(|n| n.div_ceil(LEAF));
+        let azimuths = (0..size[0])
+            .map(|leaf| {
+                let of_cells: [_; LEAF] = std::array::from_fn(|k| sin_cos(azimuth_at((leaf * LEAF + k) as f64 + 0.5)));
+                [0, 1].map(|part| f32x8::new(of_cells.map(|cell| cell[part])))
             })
             .collect();
+        let polars = (0..size[1] * LEAF).map(|row| sin_cos(polar_at(row as f64 + 0.5))).collect();
+        let solid_angle =
+            |row: usize| TAU / cells[0] as f64 * (polar_at(row as f64).cos() - polar_at(row as f64 + 1.0).cos());
 
         // Exact first moments of the strips that a leaf's rows and columns make: ∫ ω dω over a cell of azimuths
         // [a, b] and polar angles [s, t] is (P·∫sin φ, (sin²t - sin²s)/2·(b - a), -P·∫cos φ), P = ∫ sin²θ dθ.
@@ -80,24 +82,33 @@ impl MapIrradiance {
             let (azimuth, polar) =
                 (azimuth_at(0.5 * (columns[0] + columns[1]) as f64), polar_at(0.5 * (rows[0] + rows[1]) as f64));
             let center = DVec3::new(polar.sin() * azimuth.sin(), polar.cos(), -polar.sin() * azimuth.cos());
-            let radius = 0.5 * (polar_at(rows[1] as f64) - polar_at(rows[0] as f64))
-                + 0.5 * (azimuth_at(columns[1] as f64) - azimuth_at(columns[0] as f64));
+            // Along the meridian, then along the widest parallel.
+            let (first, last) = (polar_at(rows[0] as f64), polar_at(rows[1] as f64));
+            let widest = (0.5 * PI).clamp(first, last).sin();
+            let across = azimuth_at(columns[1] as f64) - azimuth_at(columns[0] as f64);
+            let radius = 0.5 * (last - first + across * widest);
             (center.as_vec3(), if radius < 0.5 * PI { (radius.sin() + 1e-6) as f32 } else { f32::INFINITY })
         };
 
-        let mut size = [cells[0].div_ceil(LEAF), cells[1].div_ceil(LEAF)];
         let mut patches = Vec::with_capacity(size[0] * size[1]);
+        let mut leaves = Vec::with_capacity(size[0] * size[1]);
         for leaf_row in 0..size[1] {
             for leaf_column in 0..size[0] {
                 let columns = [leaf_column * LEAF, ((leaf_column + 1) * LEAF).min(cells[0])];
                 let rows = [leaf_row * LEAF, ((leaf_row + 1) * LEAF).min(cells[1])];
                 let mut moment = [DVec3::ZERO; 3];
+                let mut leaf = [[[0.0_f32; LEAF]; 3]; LEAF];
                 for row in rows[0]..rows[1] {
+                    let solid_angle = solid_angle(row);
                     for column in columns[0]..columns[1] {
                         let (texel, cell) = (texel_at(column, row).as_dvec3().to_array(), cell_moment(column, row));
-                        (0..3).for_each(|channel| moment[channel] += texel[channel] * cell);
+                        for channel in 0..3 {
+                            moment[channel] += texel[channel] * cell;
+                            leaf[row % LEAF][channel][column % LEAF] = (texel[channel] * solid_angle) as f32;
+                        }
                     }
                 }
+                leaves.push(leaf.map(|row| row.map(f32x8::new)));
                 let (center, sine_of_radius) = cap(columns, rows);
                 patches.push(Patch { center, sine_of_radius, moment: moment.map(|m| m.as_vec3()) });
             }
@@ -130,9 +141,7 @@ impl MapIrradiance {
         }
         Self {
             levels,
-            cells,
-            division,
-            radiance: map.texels().to_vec(),
+            leaves,
             azimuths,
             polars,
             environment_from_world: Mat3::from_quat(world_from_environment.normalize()).transpose(),
@@ -165,18 +174,18 @@ impl MapIrradiance {
                 }
             }
         } else {
-            let mut leaf = Vec3::ZERO;
-            let map_width = self.cells[0] / self.division;
-            for cell_row in row * LEAF..((row + 1) * LEAF).min(self.cells[1]) {
-                let [sin_polar, cos_polar, solid_angle] = self.polars[cell_row];
-                let texels = &self.radiance[cell_row / self.division * map_width..][..map_width];
-                for cell_column in column * LEAF..((column + 1) * LEAF).min(self.cells[0]) {
-                    let [sin, cos] = self.azimuths[cell_column];
-                    let cosine = sin_polar * (normal.x * sin - normal.z * cos) + normal.y * cos_polar;
-                    leaf += cosine.max(0.0) * solid_angle * texels[cell_column / self.division];
+            let [sines, cosines] = self.azimuths[column];
+            let along = normal.x * sines - normal.z * cosines;
+            let mut lanes = [f32x8::ZERO; 3];
+            let leaf = &self.leaves[row * level.width + column];
+            for (weights, [sin_polar, cos_polar]) in leaf.iter().zip(&self.polars[row * LEAF..]) {
+                let height = f32x8::splat(normal.y * cos_polar);
+                let cosine = along.mul_add(f32x8::splat(*sin_polar), height).fast_max(f32x8::ZERO);
+                for (lane, weight) in lanes.iter_mut().zip(weights) {
+                    *lane = cosine.mul_add(*weight, *lane);
                 }
             }
-            *sum += leaf.as_dvec3();
+            *sum += DVec3::from_array(lanes.map(|lane| f64::from(lane.reduce_add())));
         }
     }
 }

@@ -7,7 +7,7 @@
 //!
 //! Laid out by axis instead of by vertex, the three vertices are sheared at once in one vector register.
 
-use glam::{Vec3, Vec3A};
+use glam::{Vec3, Vec3A, Vec3Swizzles};
 
 /// The three vertices of a triangle by axis: `rows[axis] = (v0[axis], v1[axis], v2[axis])`.
 #[derive(Debug, Clone, Copy)]
@@ -40,19 +40,18 @@ impl ShearedRay {
     #[inline(always)]
     pub(crate) fn new(origin: Vec3A, direction: Vec3A) -> Self {
         let size = direction.abs();
-        let axes = if size.x > size.y {
-            if size.x > size.z { [1, 2, 0] } else { [0, 1, 2] }
+        let (axes, origin, direction) = if size.x > size.y.max(size.z) {
+            ([1, 2, 0], origin.yzx(), direction.yzx())
         } else if size.y > size.z {
-            [2, 0, 1]
+            ([2, 0, 1], origin.zxy(), direction.zxy())
         } else {
-            [0, 1, 2]
+            ([0, 1, 2], origin, direction)
         };
-        let (origin, direction) = (origin.to_array(), direction.to_array());
-        let inverse = 1.0 / direction[axes[2]];
+        let inverse = 1.0 / direction.z;
         Self {
             axes,
-            origin: axes.map(|axis| origin[axis]),
-            shear: [direction[axes[0]] * inverse, direction[axes[1]] * inverse, inverse],
+            origin: origin.to_array(),
+            shear: [direction.x * inverse, direction.y * inverse, inverse],
             slack: 0.0,
         }
     }
@@ -82,7 +81,6 @@ impl Triangle {
         let z = self.rows[kz] - Vec3A::splat(ray.origin[2]);
         let x = (self.rows[kx] - Vec3A::splat(ray.origin[0])) - ray.shear[0] * z;
         let y = (self.rows[ky] - Vec3A::splat(ray.origin[1])) - ray.shear[1] * z;
-        use glam::Vec3Swizzles;
         // No fused multiply-add here: rounding both products alike makes the function of an edge exactly the negative
         // of its neighbour's.
         let edges = x.zxy() * y.yzx() - y.zxy() * x.yzx();
