@@ -1,19 +1,47 @@
-//! Similarity of pictures as people would judge them.
+//! Similarity of pictures as people would judge them, on the exposed 8-bit sRGB pictures.
 //!
-//! SSIM compares the exposed 8-bit sRGB pictures through the crate image-compare (mean structural similarity over
-//! 8×8 windows, the worst of the three channels): 1 is identical. FLIP stays `null` in results: the crate that computes it wraps C++
-//! and is no dependency of the default build; NVIDIA's own `flip` reads the PNG and EXR files written beside the
-//! results.
+//! SSIM through the crate image-compare: mean structural similarity over 8×8 windows, the worst of the three channels; 1
+//! is identical. FLIP through the crate nv-flip (\[Andersson2020\], at its default distance of 67 pixels per degree), the
+//! mean over pixels; 0 is identical. That crate wraps C++: it is there with the feature `flip` only.
 
 use crate::image_io::Picture;
+use serde::{Deserialize, Serialize};
 
-/// Mean structural similarity of two pictures of one size, shown with the same exposure; `None` if it isn't defined.
-pub fn ssim(picture: &Picture, truth: &Picture, exposure: f32) -> Option<f64> {
-    let (first, second) = (picture.to_srgb(exposure), truth.to_srgb(exposure));
-    image_compare::rgb_similarity_structure(&image_compare::Algorithm::MSSIMSimple, &first, &second)
-        .ok()
-        .map(|similarity| similarity.score)
-        .filter(|score| score.is_finite())
+/// How like the truth a picture looks; nothing where it isn't defined or wasn't computed.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Similarity {
+    /// Mean FLIP error, from 0 (identical) to 1; computed with the feature `flip` only.
+    pub flip: Option<f64>,
+    /// Mean structural similarity, 1 if identical.
+    pub ssim: Option<f64>,
+}
+
+impl Similarity {
+    /// Compares two pictures shown with the same exposure. Those of different sizes compare to nothing.
+    pub fn between(picture: &Picture, truth: &Picture, exposure: f32) -> Self {
+        let (shown, expected) = (picture.to_srgb(exposure), truth.to_srgb(exposure));
+        if shown.dimensions() != expected.dimensions() {
+            return Self::default();
+        }
+        let ssim = image_compare::rgb_similarity_structure(&image_compare::Algorithm::MSSIMSimple, &shown, &expected)
+            .ok()
+            .map(|similarity| similarity.score)
+            .filter(|score| score.is_finite());
+        Self { flip: flip(&shown, &expected), ssim }
+    }
+}
+
+#[cfg(feature = "flip")]
+fn flip(shown: &image::RgbImage, expected: &image::RgbImage) -> Option<f64> {
+    let [shown, expected] =
+        [shown, expected].map(|picture| nv_flip::FlipImageRgb8::with_data(picture.width(), picture.height(), picture));
+    let errors = nv_flip::flip(expected, shown, nv_flip::DEFAULT_PIXELS_PER_DEGREE);
+    Some(f64::from(nv_flip::FlipPool::from_image(&errors).mean())).filter(|mean| mean.is_finite())
+}
+
+#[cfg(not(feature = "flip"))]
+fn flip(_: &image::RgbImage, _: &image::RgbImage) -> Option<f64> {
+    None
 }
 
 #[cfg(test)]
@@ -22,7 +50,7 @@ mod tests {
     use glam::Vec3;
 
     #[test]
-    fn identical_pictures_score_one_and_worse_ones_less() {
+    fn identical_pictures_are_the_most_alike() {
         let truth = Picture {
             width: 32,
             height: 32,
@@ -33,11 +61,19 @@ mod tests {
             for (i, pixel) in picture.pixels.iter_mut().enumerate() {
                 *pixel += amount * ((i * 7919 % 13) as f32 / 13.0 - 0.5);
             }
-            ssim(&picture, &truth, 1.0).unwrap()
+            Similarity::between(&picture, &truth, 1.0)
         };
-        assert!((ssim(&truth, &truth, 1.0).unwrap() - 1.0).abs() < 1e-9);
+        let same = Similarity::between(&truth, &truth, 1.0);
         let (little, much) = (disturbed(0.05), disturbed(0.5));
-        assert!(1.0 > little && little > much && much > 0.0, "{little} {much}");
-        assert_eq!(ssim(&truth, &Picture::filled(3, 3, Vec3::ONE), 1.0), None);
+        let ssim = [same, little, much].map(|similarity| similarity.ssim.unwrap());
+        assert!((ssim[0] - 1.0).abs() < 1e-9 && 1.0 > ssim[1] && ssim[1] > ssim[2] && ssim[2] > 0.0, "{ssim:?}");
+        let flip = [same, little, much].map(|similarity| similarity.flip);
+        if cfg!(feature = "flip") {
+            let flip = flip.map(Option::unwrap);
+            assert!(flip[0] == 0.0 && 0.0 < flip[1] && flip[1] < flip[2] && flip[2] <= 1.0, "{flip:?}");
+        } else {
+            assert_eq!(flip, [None; 3]);
+        }
+        assert_eq!(Similarity::between(&truth, &Picture::filled(3, 3, Vec3::ONE), 1.0), Similarity::default());
     }
 }

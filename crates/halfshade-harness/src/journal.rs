@@ -6,6 +6,7 @@
 
 use crate::{
     HarnessError,
+    image_metrics::Similarity,
     results::{PictureFiles, Run, Sample},
 };
 use serde::{Deserialize, Serialize};
@@ -43,14 +44,14 @@ pub enum Entry {
         /// How long it took.
         sample: Sample,
     },
-    /// Pictures of one strategy were written; with the SSIM of the key's run, if there is one.
+    /// Pictures of one strategy were written; with the similarity of the key's run to the truth.
     Pictured {
         /// [`Run::key`], or nothing for the truth's.
         key: Option<String>,
         /// The files.
         files: PictureFiles,
-        /// Structural similarity with the truth.
-        ssim: Option<f64>,
+        /// Similarity with the truth; nothing for other pictures.
+        similarity: Similarity,
     },
 }
 

@@ -2,7 +2,7 @@
 //!
 //! Keys may be added, none is renamed; units stand in names. What was not measured is `null`.
 
-use crate::{HarnessError, Published, metrics::Metrics, statistics::Spread};
+use crate::{HarnessError, Published, image_metrics::Similarity, metrics::Metrics, statistics::Spread};
 use serde::{Deserialize, Serialize};
 use std::{collections::BTreeMap, path::Path};
 
@@ -117,10 +117,9 @@ pub struct ErrorFigures {
     /// Over receivers.
     #[serde(flatten)]
     pub metrics: Metrics,
-    /// FLIP of the picture; not computed by the default build.
-    pub flip: Option<f64>,
-    /// SSIM of the picture, where one was drawn.
-    pub ssim: Option<f64>,
+    /// Of the picture, where one was drawn: `flip` and `ssim`.
+    #[serde(flatten)]
+    pub similarity: Similarity,
 }
 
 /// What a run was compared with.
@@ -277,8 +276,7 @@ pub(crate) mod tests {
                     rmse_noise: 1e-4,
                     resolved: true,
                 },
-                flip: None,
-                ssim: None,
+                similarity: Similarity::default(),
             }),
             truth: Some(TruthFigures { samples: 256, rms_standard_error: 1e-3, unshadowed_mean: 0.5 }),
             time: Some(TimeFigures::of(0.25, 2, vec![Sample { prepare_secs: 0.0, shade_secs: 1e-3 * ms }; 3])),

@@ -4,7 +4,7 @@ use crate::{
     Clock, Experiment, HarnessError, Picture, ReceiverKind, ReferenceKind, Results, Variant,
     clock::time_secs,
     image_io::{exr_bytes, png_bytes},
-    image_metrics::ssim,
+    image_metrics::Similarity,
     journal::{Entry, Header, Journal},
     machine,
     metrics::{Metrics, Reference, compare},
@@ -64,7 +64,7 @@ pub struct RunOptions {
 struct Known {
     scored: HashMap<String, Vec<Run>>,
     samples: HashMap<String, Vec<Sample>>,
-    pictured: HashMap<String, (PictureFiles, Option<f64>)>,
+    pictured: HashMap<String, (PictureFiles, Similarity)>,
     truths: Vec<PictureFiles>,
 }
 
@@ -158,8 +158,8 @@ impl Known {
                     }
                 }
                 Entry::Timed { key, sample } => known.samples.entry(key).or_default().push(sample),
-                Entry::Pictured { key: Some(key), files, ssim } => {
-                    known.pictured.insert(key, (files, ssim));
+                Entry::Pictured { key: Some(key), files, similarity } => {
+                    known.pictured.insert(key, (files, similarity));
                 }
                 Entry::Pictured { key: None, files, .. } => known.truths.push(files),
             }
@@ -263,7 +263,7 @@ impl Session<'_> {
             if let (Some(projection), Some(radiance), true) = (&projection, &radiance, to_picture) {
                 let picture = projection.picture(radiance, Vec3::ZERO);
                 let truth = projection.picture(&references[0].1.radiance, Vec3::ZERO);
-                let ssim = ssim(&picture, &truth, exposure);
+                let similarity = Similarity::between(&picture, &truth, exposure);
                 let files = self.write_pictures(
                     scene,
                     index,
@@ -272,8 +272,8 @@ impl Session<'_> {
                     Some((&truth, &references[0].1)),
                     exposure,
                 )?;
-                self.append(Entry::Pictured { key: Some(key.clone()), files: files.clone(), ssim })?;
-                self.known.pictured.insert(key.clone(), (files, ssim));
+                self.append(Entry::Pictured { key: Some(key.clone()), files: files.clone(), similarity })?;
+                self.known.pictured.insert(key.clone(), (files, similarity));
             }
             if let (Some(baked), true) = (baked, self.plan.timing.is_some() && self.options.out.is_some()) {
                 ready.push(Ready { key, baked });
@@ -293,8 +293,9 @@ impl Session<'_> {
                 let label = format!("{DIFFERENCE_FACTOR} times the difference: {} and {}", a.label, b.label);
                 let picture = first.magnified_difference(&second, DIFFERENCE_FACTOR);
                 let files = self.write_pictures(scene, index, &label, &picture, None, exposure)?;
-                self.append(Entry::Pictured { key: Some(difference.clone()), files: files.clone(), ssim: None })?;
-                self.known.pictured.insert(difference.clone(), (files, None));
+                let similarity = Similarity::default();
+                self.append(Entry::Pictured { key: Some(difference.clone()), files: files.clone(), similarity })?;
+                self.known.pictured.insert(difference.clone(), (files, similarity));
             }
         }
 
@@ -312,10 +313,10 @@ impl Session<'_> {
                 if let (Some(time), Some(samples)) = (&run.time, self.known.samples.get(&key)) {
                     run.time = Some(TimeFigures::of(time.bake_secs, time.threads, samples.clone()));
                 }
-                if let (Some(error), Some((_, ssim))) = (&mut run.error, picture)
+                if let (Some(error), Some((_, similarity))) = (&mut run.error, picture)
                     && error.reference == ReferenceKind::Mesh.to_string()
                 {
-                    error.ssim = *ssim;
+                    error.similarity = *similarity;
                 }
                 results.runs.push(run);
             }
@@ -484,7 +485,7 @@ impl Session<'_> {
         }
         let picture = projection.picture(&truth.radiance, Vec3::ZERO);
         let files = self.write_pictures(scene, frame, "truth", &picture, None, exposure)?;
-        self.append(Entry::Pictured { key: None, files: files.clone(), ssim: None })?;
+        self.append(Entry::Pictured { key: None, files: files.clone(), similarity: Similarity::default() })?;
         self.known.truths.push(files);
         Ok(())
     }
@@ -552,7 +553,7 @@ fn timed_frame(
 
 fn figures(kind: ReferenceKind, scene: &Scene, metrics: Metrics) -> ErrorFigures {
     let transport = if scene.bounces == 0 { "direct".into() } else { format!("bounces={}", scene.bounces) };
-    ErrorFigures { reference: kind.to_string(), transport, metrics, flip: None, ssim: None }
+    ErrorFigures { reference: kind.to_string(), transport, metrics, similarity: Similarity::default() }
 }
 
 fn truth_figures(reference: &Reference, samples: usize, mesh: &Reference) -> TruthFigures {

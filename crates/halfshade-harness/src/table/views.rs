@@ -1,7 +1,10 @@
 //! The tables made of results.
 
 use super::{Better, Cell, Column, Table, csv_format, significant};
-use crate::results::{Results, Run, Status};
+use crate::{
+    image_metrics::Similarity,
+    results::{Results, Run, Status},
+};
 
 /// Runs that are shown together: of one scene, frame and kind of receivers, against one reference.
 pub(crate) fn runs_of<'a>(
@@ -34,7 +37,14 @@ pub fn scene_table(results: &Results, scene: &str, frame: usize, receivers: &str
     let shown: Vec<&Run> = runs_of(results, scene, frame, receivers)
         .filter(|run| run.strategy != "reference" && (run.reference() == reference || run.status != Status::Ok))
         .collect();
-    let pictured = shown.iter().any(|run| run.error.as_ref().is_some_and(|error| error.ssim.is_some()));
+    let any = |value: fn(&Similarity) -> Option<f64>| {
+        shown.iter().filter_map(|run| run.error.as_ref()).any(|error| value(&error.similarity).is_some())
+    };
+    let looks = [
+        (Column::ranked("FLIP", Better::Lower), (|s| s.flip) as fn(&Similarity) -> Option<f64>),
+        (Column::ranked("SSIM", Better::Higher), |s| s.ssim),
+    ];
+    let looks: Vec<_> = looks.into_iter().filter(|(_, value)| any(*value)).collect();
     let timed = shown.iter().any(|run| run.frame_secs().is_some());
 
     let mut columns = vec![
@@ -45,9 +55,7 @@ pub fn scene_table(results: &Results, scene: &str, frame: usize, receivers: &str
         Column::ranked("p99", Better::Lower),
         Column::ranked("max", Better::Lower),
     ];
-    if pictured {
-        columns.push(Column::ranked("SSIM", Better::Higher));
-    }
+    columns.extend(looks.iter().map(|(column, _)| column.clone()));
     columns.push(Column::plain("bake s"));
     if timed {
         columns.push(Column::plain("prepare ms"));
@@ -73,9 +81,9 @@ pub fn scene_table(results: &Results, scene: &str, frame: usize, receivers: &str
         });
         row.push(Cell::text(signed(m.bias)));
         row.extend([m.p95, m.p99, m.max].map(|value| Cell::number(significant(value, 3), value)));
-        if pictured {
-            row.push(error.ssim.map_or(Cell::empty(), |value| Cell::number(format!("{value:.4}"), value)));
-        }
+        row.extend(looks.iter().map(|(_, value)| {
+            value(&error.similarity).map_or(Cell::empty(), |value| Cell::number(format!("{value:.4}"), value))
+        }));
         let time = run.time.as_ref();
         row.push(time.map_or(Cell::empty(), |time| Cell::text(significant(time.bake_secs, 2))));
         if timed {
@@ -232,8 +240,8 @@ pub fn results_csv(results: &Results) -> String {
             metric(&|m| m.max),
             metric(&|m| m.rmse_noise),
             error.map(|error| error.metrics.resolved.to_string()).unwrap_or_default(),
-            optional(error.and_then(|error| error.flip)),
-            optional(error.and_then(|error| error.ssim)),
+            optional(error.and_then(|error| error.similarity.flip)),
+            optional(error.and_then(|error| error.similarity.ssim)),
             truth.map(|truth| truth.samples.to_string()).unwrap_or_default(),
             optional(truth.map(|truth| truth.rms_standard_error)),
             optional(truth.map(|truth| truth.unshadowed_mean)),
