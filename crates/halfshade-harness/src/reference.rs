@@ -104,7 +104,8 @@ fn key(frame: &Frame<'_>, receivers: Receivers<'_>, options: &Options) -> CacheK
         .value(&(options.samples, options.noise_target, options.max_samples, options.seed, options.bounces))
         .bytes(format!("{:?} {:?}", options.geometry, options.transport).as_bytes())
         .value(&frame.world_from_environment);
-    for (object, pose) in frame.scene.objects.iter().zip(&frame.world_from_object) {
+    for (number, pose) in frame.world_from_object.iter().enumerate() {
+        let object = frame.object(number);
         key = key.value(&(&object.mesh.positions, &object.mesh.triangles)).value(&(
             pose.scale,
             pose.rotation,
@@ -115,9 +116,9 @@ fn key(frame: &Frame<'_>, receivers: Receivers<'_>, options: &Options) -> CacheK
         }
     }
     if options.bounces > 0 {
-        for object in &frame.scene.objects {
+        for (number, object) in frame.scene.objects.iter().enumerate() {
             let mesh = &object.mesh;
-            key = key.value(&(object.material.albedo, &mesh.normals, &mesh.colors, &mesh.texture_coordinates));
+            key = key.value(&(object.material.albedo, frame.normals(number), &mesh.colors, &mesh.texture_coordinates));
             key = key.value(&object.material.texture.is_some());
             for texture in mesh.textures.iter().chain(&object.material.texture) {
                 key = key.value(&**texture);

@@ -45,6 +45,7 @@ pub fn ground_shadow_errors<const N: usize>(
         spheres: Some(Arc::new(set.clone())),
         cluster_count: 0,
         motion: Motion::Still(Pose::IDENTITY),
+        skin: None,
     };
     let scene = Scene::at_rest("ground", vec![object], Environment::constant(Vec3::ONE));
     let mut receivers = ReceiverBuffer::default();

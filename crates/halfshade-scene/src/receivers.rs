@@ -69,19 +69,19 @@ impl ReceiverBuffer {
 
     fn move_vertices(&mut self, frame: &Frame<'_>) {
         let mut first = 0;
-        for (object, pose) in frame.scene.objects.iter().zip(&frame.world_from_object) {
-            let mesh = &object.mesh;
-            let range = first..first + mesh.positions.len();
+        for (object, pose) in frame.world_from_object.iter().enumerate() {
+            let (positions, normals) = (frame.positions(object), frame.normals(object));
+            let range = first..first + positions.len();
             first = range.end;
             // Per vertex, a matrix is cheaper than a quaternion.
             let rotation = Mat3::from_quat(pose.rotation);
             let scaled = rotation * pose.scale;
             let [x, y, z] = self.position.each_mut().map(|axis| &mut axis[range.clone()]);
-            for (((x, y), z), &position) in x.iter_mut().zip(y).zip(z).zip(&mesh.positions) {
+            for (((x, y), z), &position) in x.iter_mut().zip(y).zip(z).zip(positions) {
                 [*x, *y, *z] = (scaled * position + pose.translation).to_array();
             }
             let [x, y, z] = self.normal.each_mut().map(|axis| &mut axis[range.clone()]);
-            for (((x, y), z), &normal) in x.iter_mut().zip(y).zip(z).zip(&mesh.normals) {
+            for (((x, y), z), &normal) in x.iter_mut().zip(y).zip(z).zip(normals) {
                 [*x, *y, *z] = (rotation * normal).to_array();
             }
         }

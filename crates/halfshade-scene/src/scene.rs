@@ -1,13 +1,13 @@
 //! A scene: objects that move, light that falls on them, a camera that looks.
 
-use crate::{Camera, Environment, Material, Mesh, Motion, SphereLight, SphereSet};
+use crate::{Camera, Deformed, Environment, Material, Mesh, Motion, Skin, SphereLight, SphereSet};
 use glam::{DVec3, Quat, Vec3};
 use std::sync::Arc;
 
 /// Most bounces that a scene may ask for: at an albedo of 0.8 what is left is 0.03 of the light.
 pub const MAX_BOUNCES: usize = 16;
 
-/// One rigid object.
+/// One object: rigid, or deformed by a skin.
 #[derive(Debug, Clone)]
 pub struct Object {
     /// A name for messages and tables.
@@ -24,6 +24,8 @@ pub struct Object {
     pub cluster_count: usize,
     /// Its pose over time.
     pub motion: Motion,
+    /// How its mesh deforms over time; the mesh and its spheres are those at rest.
+    pub skin: Option<Arc<Skin>>,
 }
 
 /// What every strategy and the truth are run on.
@@ -50,6 +52,12 @@ pub struct Scene {
 }
 
 impl Object {
+    /// Its vertices at a moment, if it has a skin that fits its mesh.
+    pub fn deformed(&self, time_secs: f64) -> Option<Arc<Deformed>> {
+        let skin = self.skin.as_ref().filter(|skin| skin.influences.len() == self.mesh.positions.len())?;
+        Some(Arc::new(skin.deform(&self.mesh, time_secs)))
+    }
+
     /// Albedo at a vertex of the mesh.
     pub fn albedo_at_vertex(&self, vertex: usize) -> Vec3 {
         let color = self.mesh.colors.get(vertex).copied().unwrap_or(Vec3::ONE);
@@ -105,6 +113,7 @@ impl Scene {
             scene: self,
             index,
             world_from_object: self.objects.iter().map(|object| object.motion.at(time_secs)).collect(),
+            deformed: self.objects.iter().map(|object| object.deformed(time_secs)).collect(),
             world_from_environment: Quat::from_axis_angle(
                 Vec3::Y,
                 (f64::from(self.environment_turn_per_sec) * time_secs) as f32,

@@ -25,6 +25,7 @@ pub(crate) fn with_spheres(environment: Environment, spheres: &[Sphere]) -> Scen
             spheres: Some(set.clone()),
             cluster_count: 1,
             motion: Motion::Still(Pose { scale: sphere.radius, ..Pose::from_translation(sphere.center) }),
+            skin: None,
         })
         .collect();
     scene

@@ -21,6 +21,7 @@ fn ball(center: Vec3, radius: f32, albedo: Vec3) -> Object {
         spheres: Some(Arc::new(set)),
         cluster_count: 1,
         motion: Motion::Still(Pose { scale: radius, ..Pose::from_translation(center) }),
+        skin: None,
     }
 }
 
@@ -185,6 +186,7 @@ fn stood_for(spheres: Vec<Sphere>, albedo: f32, scale: f32, shift: Vec3) -> Scen
         spheres: Some(Arc::new(SphereSet { spheres, ..SphereSet::default() })),
         cluster_count: 2,
         motion: Motion::Still(Pose { scale, ..Pose::from_translation(scale * (1.2 * Vec3::Y) + shift) }),
+        skin: None,
     };
     scene(vec![object], 3)
 }

@@ -37,6 +37,7 @@ fn scene(environment: Environment, spheres: &[Sphere]) -> Scene {
         spheres: Some(Arc::new(set)),
         cluster_count: 0,
         motion: Motion::Still(Pose::IDENTITY),
+        skin: None,
     };
     Scene::at_rest("spheres", vec![object], environment)
 }

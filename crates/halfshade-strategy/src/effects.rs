@@ -19,15 +19,24 @@ pub enum Effect {
     Interreflection,
     /// Poses that change between frames.
     Motion,
+    /// Meshes that change their shape between frames.
+    Deformation,
 }
 
 impl Effect {
     /// All of them.
-    pub const ALL: [Self; 5] =
-        [Self::EnvironmentLight, Self::LocalLights, Self::ColouredLight, Self::Interreflection, Self::Motion];
+    pub const ALL: [Self; 6] = [
+        Self::EnvironmentLight,
+        Self::LocalLights,
+        Self::ColouredLight,
+        Self::Interreflection,
+        Self::Motion,
+        Self::Deformation,
+    ];
 
     /// All that direct light does.
-    pub const DIRECT: [Self; 4] = [Self::EnvironmentLight, Self::LocalLights, Self::ColouredLight, Self::Motion];
+    pub const DIRECT: [Self; 5] =
+        [Self::EnvironmentLight, Self::LocalLights, Self::ColouredLight, Self::Motion, Self::Deformation];
 
     /// As users read it.
     pub const fn name(self) -> &'static str {
@@ -37,6 +46,7 @@ impl Effect {
             Self::ColouredLight => "coloured light",
             Self::Interreflection => "interreflection",
             Self::Motion => "motion",
+            Self::Deformation => "deformation",
         }
     }
 }
@@ -104,6 +114,9 @@ impl Effects {
             || scene.environment_turn_per_sec != 0.0
         {
             effects.push(Effect::Motion);
+        }
+        if scene.objects.iter().any(|object| object.skin.as_ref().is_some_and(|skin| skin.moves())) {
+            effects.push(Effect::Deformation);
         }
         Self::of(&effects)
     }

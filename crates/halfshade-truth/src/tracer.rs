@@ -60,7 +60,7 @@ pub struct Tracer {
     pub(crate) spheres: Vec<(DVec3, f64)>,
     /// Object and place in its set of each sphere.
     pub(crate) sphere_owners: Vec<(usize, usize)>,
-    /// Every object and where it stands.
+    /// Every object as it is at this frame, and where it stands.
     pub(crate) objects: Vec<(Object, Pose)>,
     pub(crate) lights: Lights,
     inward: Inward,
@@ -81,7 +81,9 @@ impl Tracer {
         let (mut corners, mut owners) = (Vec::new(), Vec::new());
         let (mut spheres, mut sphere_owners) = (Vec::new(), Vec::new());
         let (vertices, mut first_vertex, mut inward) = (ReceiverBuffer::vertices(frame), 0, Inward::default());
-        for (number, (object, pose)) in frame.scene.objects.iter().zip(&frame.world_from_object).enumerate() {
+        let objects: Vec<(Object, Pose)> =
+            (frame.world_from_object.iter().enumerate()).map(|(number, pose)| (frame.object(number), *pose)).collect();
+        for (number, (object, pose)) in objects.iter().enumerate() {
             let count = object.mesh.positions.len();
             let part = vertices.view().slice(first_vertex..first_vertex + count);
             let positions: Vec<Vec3> = (0..count).map(|vertex| part.position_at(vertex)).collect();
@@ -124,7 +126,6 @@ impl Tracer {
         };
         let triangles = bvh.primitive_indices.iter().map(|&i| Triangle::new(corners[i as usize])).collect();
         let owners = bvh.primitive_indices.iter().map(|&i| owners[i as usize]).collect();
-        let objects = frame.scene.objects.iter().cloned().zip(frame.world_from_object.iter().copied()).collect();
         Self { space, bvh, triangles, owners, spheres, sphere_owners, objects, lights: Lights::new(frame), inward }
     }
 

@@ -66,6 +66,7 @@ pub(super) fn scene() -> Scene {
         spheres: None,
         cluster_count: 7,
         motion: Motion::Still(Pose::from_translation(Vec3::new(0.0, -ground_half_size.y, 0.0))),
+        skin: None,
     }];
     objects.extend(DUCKS.iter().map(|one| Object {
         name: one.name.into(),
@@ -81,6 +82,7 @@ pub(super) fn scene() -> Scene {
             let place = Vec3::new(one.place[0] + one.slide[0] * swing, GAP + hop, one.place[1] + one.slide[1] * swing);
             upright(place, one.yaw + 0.22 * wave(time, 1.0, one.phase + 0.2), one.scale)
         }),
+        skin: None,
     }));
     Scene {
         camera: Camera {

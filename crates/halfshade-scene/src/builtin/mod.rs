@@ -14,6 +14,7 @@
 mod choreography;
 mod daylight;
 mod ducks;
+mod hand;
 mod implicit;
 mod lathe;
 mod polygonize;
@@ -37,6 +38,7 @@ pub const SCENES: &[(&str, &str)] = &[
         "squirrel-and-balls",
         "a squirrel and rolling balls on an inclined box in a low sun (21k vertices, 14 spheres, 25 clusters)",
     ),
+    ("hand", "a hand that opens and closes, deformed by a skeleton, and a ball in a studio's soft light"),
     ("one-sphere", "a sphere over a plane under constant light: its shadow has a closed form"),
     ("crowd", "64 tumbling blobs over a plane, 256 spheres: many blockers at once"),
 ];
@@ -47,6 +49,7 @@ pub fn scene(name: &str) -> Option<Scene> {
         "vases" => vases::scene(),
         "ducks" => ducks::scene(),
         "squirrel-and-balls" => squirrel_and_balls::scene(),
+        "hand" => hand::scene(),
         "one-sphere" => small::one_sphere(),
         "crowd" => small::crowd(),
         _ => return None,
@@ -131,12 +134,13 @@ pub(crate) mod tests {
             let top = scene.objects[0].mesh.positions.iter().map(|p| p.y).fold(f32::MIN, f32::max);
             let reach = scene.objects[0].mesh.positions.iter().copied().reduce(Vec3::max).unwrap();
             for index in (0..scene.frame_count).step_by(5) {
-                let poses = scene.frame(index).world_from_object;
+                let frame = scene.frame(index);
+                let poses = &frame.world_from_object;
                 let into_ground = poses[0].inverse();
-                for (object, pose) in scene.objects.iter().zip(&poses).skip(1) {
+                for (number, (object, pose)) in scene.objects.iter().zip(poses).enumerate().skip(1) {
                     let into_ground = pose.then(&into_ground);
                     let mut lowest = f32::INFINITY;
-                    for &position in &object.mesh.positions {
+                    for &position in frame.positions(number) {
                         let place = into_ground.transform_point(position);
                         lowest = lowest.min(place.y - top);
                         assert!(place.x.abs() < reach.x && place.z.abs() < reach.z, "{} leaves", object.name);

@@ -25,6 +25,7 @@ pub(super) fn one_sphere() -> Scene {
             spheres: None,
             cluster_count: 4,
             motion: Motion::Still(still(Vec3::ZERO)),
+            skin: None,
         },
         Object {
             name: "sphere".into(),
@@ -37,6 +38,7 @@ pub(super) fn one_sphere() -> Scene {
                 scale: 0.6,
                 ..Pose::from_translation(Vec3::new(0.0, 1.0 + 0.3 * wave(time, 1.0, 0.0), 0.0))
             }),
+            skin: None,
         },
     ];
     Scene {
@@ -67,6 +69,7 @@ pub(super) fn crowd() -> Scene {
         spheres: None,
         cluster_count: 8,
         motion: Motion::Still(Pose { scale: 3.0, ..Pose::IDENTITY }),
+        skin: None,
     }];
     for number in 0..CROWD_ROWS * CROWD_ROWS {
         let cell = |i: usize| (i as f32 + 0.5) / CROWD_ROWS as f32 * 2.0 - 1.0;
@@ -91,6 +94,7 @@ pub(super) fn crowd() -> Scene {
                 rotation: Quat::from_axis_angle(axis, (TAU * time / DURATION_SECS) as f32) * start,
                 translation: place,
             }),
+            skin: None,
         });
     }
     Scene {

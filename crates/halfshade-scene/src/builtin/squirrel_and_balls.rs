@@ -78,6 +78,7 @@ pub(super) fn scene() -> Scene {
             spheres: None,
             cluster_count: 5,
             motion: Motion::Still(Pose::from_translation(Vec3::new(0.0, -ground_half_size.y, 0.0)).then(&slope)),
+            skin: None,
         },
         Object {
             name: "squirrel".into(),
@@ -94,6 +95,7 @@ pub(super) fn scene() -> Scene {
                 };
                 on_slope.then(&slope)
             }),
+            skin: None,
         },
     ];
     objects.extend(BALLS.iter().map(|ball| Object {
@@ -112,6 +114,7 @@ pub(super) fn scene() -> Scene {
             let on_slope = Pose { scale: ball.radius, rotation: rolled * aslant, translation: place };
             on_slope.then(&slope)
         }),
+        skin: None,
     }));
     Scene {
         camera: Camera {

@@ -206,6 +206,7 @@ pub(super) fn scene() -> Scene {
         spheres: None,
         cluster_count: 5,
         motion: Motion::Still(Pose::from_translation(Vec3::new(0.0, -ground_half_size.y, 0.0))),
+        skin: None,
     }];
     objects.extend(VASES.iter().map(|vase| Object {
         name: vase.name.into(),
@@ -221,6 +222,7 @@ pub(super) fn scene() -> Scene {
                 Vec3::new(vase.place[0] + vase.slide[0] * swing, GAP + lift, vase.place[1] + vase.slide[1] * swing);
             upright(place, (time * PI / 4.0) as f32 + 2.0 * vase.phase as f32, 1.0)
         }),
+        skin: None,
     }));
     Scene {
         camera: Camera {

@@ -211,6 +211,7 @@ fn object(source: &Source<'_>, table: Spanned<ObjectTable>, meshes: &mut Meshes)
         spheres: None,
         cluster_count: whole(source, "clusters", table.clusters, 0..=MAX_COUNT, 0)?,
         motion,
+        skin: None,
     })
 }
 

@@ -89,6 +89,7 @@ pub fn from_mesh(path: &Path, environment: Environment) -> Result<Scene, SceneEr
             scale: 1.5 * (max - min).length(),
             ..Pose::from_translation(Vec3::new(center.x, min.y, center.z))
         }),
+        skin: None,
     };
     let object = Object {
         name: name.clone(),
@@ -98,6 +99,7 @@ pub fn from_mesh(path: &Path, environment: Environment) -> Result<Scene, SceneEr
         spheres: None,
         cluster_count: 0,
         motion: Motion::Still(Pose::IDENTITY),
+        skin: None,
     };
     Ok(Scene { camera: framing::camera_on(min, max), ..Scene::at_rest(name, vec![object, ground], environment) })
 }

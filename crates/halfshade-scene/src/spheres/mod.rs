@@ -1,11 +1,13 @@
 //! Sphere sets: the geometry that blocks, in place of a mesh ([Guerrero2007, 4.1], \[Wang2006\]).
 //!
-//! [`SphereSet::build`] fits the leaf spheres to a mesh, [`SphereHierarchy::new`] builds parent spheres over them.
+//! [`SphereSet::build`] fits the leaf spheres to a mesh, [`SphereHierarchy::new`] builds parent spheres over them, and a
+//! [`SphereBinding`] lets them follow a mesh that deforms.
 
 mod adjust;
 mod build;
 mod cover;
 mod enclosing;
+mod follow;
 mod hierarchy;
 mod overlap;
 mod points;
@@ -15,6 +17,7 @@ mod variational;
 
 pub use adjust::{AdjustRule, AdjustedSphere, COVER_HEIGHT, FADE_HEIGHT, adjust, adjusted};
 pub use build::BuildOptions;
+pub use follow::{Followed, SphereBinding};
 pub use hierarchy::{HierarchyLevel, SphereHierarchy};
 pub use overlap::overlap_shares;
 

@@ -15,7 +15,7 @@ mod occlusion;
 mod points;
 
 use glam::{DVec3, Vec3};
-use halfshade_scene::{Frame, Pose, Progress, RadianceMut, Receivers, Scene};
+use halfshade_scene::{Frame, Placement, Progress, RadianceMut, Receivers, Scene};
 use halfshade_strategy::{
     Baked, Effect, Effects, Footprint, Info, Parameter, ParameterKind, Params, Strategy, StrategyError,
 };
@@ -32,7 +32,8 @@ struct Prepared {
     samples: u32,
     /// Share of directions drawn by cosine.
     cosine_share: f64,
-    poses: Vec<Pose>,
+    /// What `occlusion` was built for.
+    placement: Placement,
     occlusion: Option<Occlusion>,
     light: Option<LightSampler>,
 }
@@ -67,7 +68,7 @@ impl Strategy for RayTraced {
                 "light" => 0.0,
                 _ => 0.5,
             },
-            poses: Vec::new(),
+            placement: Placement::default(),
             occlusion: None,
             light: None,
         }))
@@ -148,9 +149,9 @@ impl Baked for Prepared {
     }
 
     fn prepare(&mut self, frame: &Frame<'_>) -> Result<(), StrategyError> {
-        if self.occlusion.is_none() || self.poses != frame.world_from_object {
+        if self.occlusion.is_none() || !frame.is_placed_as(&self.placement) {
             self.occlusion = Some(Occlusion::new(frame));
-            self.poses.clone_from(&frame.world_from_object);
+            self.placement = frame.placement();
         }
         self.light = Some(LightSampler::new(frame, self.light.take()));
         Ok(())
@@ -174,7 +175,7 @@ mod tests {
     use super::*;
     use crate::test_scenes::with_spheres;
     use halfshade_scene::{
-        Environment, Motion, RadianceBuffer, ReceiverBuffer, Sphere, SphereLight,
+        Environment, Motion, Pose, RadianceBuffer, ReceiverBuffer, Sphere, SphereLight,
         light::{EnvironmentMap, Sun},
         progress::Silent,
     };

@@ -32,8 +32,8 @@ pub(super) struct Occlusion {
 impl Occlusion {
     pub(super) fn new(frame: &Frame<'_>) -> Self {
         let mut corners: Vec<[Vec3; 3]> = Vec::new();
-        for (object, pose) in frame.scene.objects.iter().zip(&frame.world_from_object) {
-            let placed: Vec<Vec3> = object.mesh.positions.iter().map(|&point| pose.transform_point(point)).collect();
+        for (number, (object, pose)) in frame.scene.objects.iter().zip(&frame.world_from_object).enumerate() {
+            let placed: Vec<Vec3> = frame.positions(number).iter().map(|&point| pose.transform_point(point)).collect();
             corners.extend(object.mesh.triangles.iter().map(|triangle| triangle.map(|vertex| placed[vertex as usize])));
         }
         corners.retain(|points| points.iter().all(|point| point.is_finite()));

@@ -24,8 +24,8 @@ use super::{
     blockers::Blocker,
     levels::{Level, Levels},
 };
-use glam::{DMat3, DVec3};
-use halfshade_scene::{Frame, Object, Receivers, Scene, Sphere, cluster};
+use glam::{DMat3, DQuat, DVec3, Vec3};
+use halfshade_scene::{Deformed, Frame, Object, Receivers, Scene, Sphere, cluster, clusters::bounding_sphere};
 use halfshade_sh::{
     blocker_table::BlockerTable,
     kernel::{self, MAX_BANDS},
@@ -60,11 +60,24 @@ pub(super) struct CutSettings {
 const RECEIVERS_PER_CLUSTER: usize = 600;
 
 /// A cluster of an object's receivers, in the object's space.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct ReceiverCluster {
     bound: Sphere,
     /// Unit mean of its receivers' normals; any if they cancel.
     normal: DVec3,
+    /// Its vertices, if they move within the object.
+    members: Vec<u32>,
+}
+
+impl ReceiverCluster {
+    /// The cluster with its vertices where they are now.
+    fn followed(&self, deformed: Option<&Deformed>) -> Self {
+        let Some(deformed) = deformed.filter(|_| !self.members.is_empty()) else { return self.clone() };
+        let of = |list: &[Vec3]| self.members.iter().map(|&v| list[v as usize].as_dvec3()).collect::<Vec<_>>();
+        let (center, radius) = bounding_sphere(&of(&deformed.positions));
+        let normal = of(&deformed.normals).iter().sum::<DVec3>().normalize_or(DVec3::Y);
+        Self { bound: Sphere { center: center.as_vec3(), radius: radius as f32 }, normal, members: Vec::new() }
+    }
 }
 
 /// The receiver clusters of every object; none if cuts are the same everywhere.
@@ -82,9 +95,15 @@ pub(super) fn clusters(scene: &Scene, choice: Choice) -> Vec<Vec<ReceiverCluster
         for (normal, &own) in object.mesh.normals.iter().zip(&clusters.assignment) {
             normals[own as usize] += normal.as_dvec3();
         }
-        let with_normal =
-            |(bound, normal): (Sphere, DVec3)| ReceiverCluster { bound, normal: normal.normalize_or(DVec3::Y) };
-        clusters.bounds.into_iter().zip(normals).map(with_normal).collect()
+        let mut members = vec![Vec::new(); clusters.bounds.len()];
+        if object.skin.is_some() {
+            for (vertex, &own) in clusters.assignment.iter().enumerate() {
+                members[own as usize].push(vertex as u32);
+            }
+        }
+        (clusters.bounds.into_iter().zip(normals).zip(members))
+            .map(|((bound, normal), members)| ReceiverCluster { bound, normal: normal.normalize_or(DVec3::Y), members })
+            .collect()
     };
     scene.objects.iter().map(of).collect()
 }
@@ -100,6 +119,8 @@ pub(super) struct Cuts {
     of_emitters: Vec<u32>,
     /// Clusters whose cut has parents in it, if ratios are wanted.
     coarse: Vec<CoarseCut>,
+    /// How each sphere of every level has turned within its object since rest, in the order of the emitters.
+    pub(super) turns: Vec<DQuat>,
     /// Light space from world space: `rotation · (point - center)`.
     pub(super) rotation: DMat3,
     pub(super) center: DVec3,
@@ -141,6 +162,7 @@ impl Default for Cuts {
             clusters: Vec::new(),
             of_emitters: Vec::new(),
             coarse: Vec::new(),
+            turns: Vec::new(),
             rotation: DMat3::IDENTITY,
             center: DVec3::ZERO,
         }
@@ -159,17 +181,20 @@ impl Cuts {
     ) -> Result<Self, StrategyError> {
         let mut objects = Vec::new();
         let mut first = 0;
-        for (object, pose) in frame.scene.objects.iter().zip(&frame.world_from_object) {
+        let mut turns = Vec::new();
+        for (number, (object, pose)) in frame.scene.objects.iter().zip(&frame.world_from_object).enumerate() {
             if object.sphere_count == 0 {
                 continue;
             }
-            let set = object.spheres.as_ref().ok_or_else(|| {
+            let levels = levels.of(object).ok_or_else(|| {
                 StrategyError::Failed(format!("object `{}` blocks but its sphere set is not built", object.name))
             })?;
-            let levels = levels.of(set);
-            let place = |sphere: &Sphere| placed(sphere, pose);
-            let spheres: Vec<Vec<(DVec3, f64)>> =
-                levels.iter().map(|level| level.spheres.iter().map(place).collect()).collect();
+            let mut place = |level: &Level| -> Vec<(DVec3, f64)> {
+                let followed = level.followed(&object.mesh, frame.deformed(number));
+                turns.extend(followed.iter().map(|followed| followed.rotation));
+                followed.iter().map(|followed| placed(&followed.sphere, pose)).collect()
+            };
+            let spheres: Vec<Vec<(DVec3, f64)>> = levels.iter().map(&mut place).collect();
             let firsts = spheres.iter().map(|level| {
                 first += level.len() as u32;
                 first - level.len() as u32
@@ -183,7 +208,7 @@ impl Cuts {
             *place = rotation * (*place - center);
         }
 
-        let mut cuts = Self { cuts: Vec::new(), rotation, center, ..Self::default() };
+        let mut cuts = Self { cuts: Vec::new(), turns, rotation, center, ..Self::default() };
         if settings.choice == Choice::Leaves {
             cuts.cuts.push(objects.iter().flat_map(|object| object.level(0)).collect());
             return Ok(cuts);
@@ -197,9 +222,9 @@ impl Cuts {
             objects.iter().enumerate().flat_map(of_object).collect()
         };
         let blockers = |cut: &[(usize, Blocker)]| cut.iter().map(|(_, blocker)| *blocker).collect();
-        for (clusters, pose) in clusters.iter().zip(&frame.world_from_object) {
+        for (number, (clusters, pose)) in clusters.iter().zip(&frame.world_from_object).enumerate() {
             let mut of_object = Vec::new();
-            for cluster in clusters {
+            for cluster in clusters.iter().map(|cluster| cluster.followed(frame.deformed(number))) {
                 let (place, radius) = placed(&cluster.bound, pose);
                 let place = rotation * (place - center);
                 let (number, cut) = (cuts.cuts.len(), cut(place, radius));

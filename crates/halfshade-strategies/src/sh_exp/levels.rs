@@ -1,6 +1,10 @@
 //! The spheres of every object, from the leaves to coarser levels [Guerrero2007, 4.1 "Parent sphere construction"].
 
-use halfshade_scene::{Scene, Sphere, SphereSet, spheres::SphereHierarchy, spheres::overlap_shares};
+use glam::DQuat;
+use halfshade_scene::{
+    Deformed, Mesh, Object, Scene, Sphere, SphereSet,
+    spheres::{Followed, SphereBinding, SphereHierarchy, overlap_shares},
+};
 use std::sync::Arc;
 
 /// What to do about spheres of one object that cover each other.
@@ -20,6 +24,18 @@ pub(super) struct Level {
     pub(super) shares: Vec<f32>,
     /// For each sphere those of the next finer level that it stands for; none in the leaves.
     pub(super) children: Vec<Vec<u32>>,
+    /// How the spheres follow their mesh, if it deforms.
+    binding: Option<SphereBinding>,
+}
+
+impl Level {
+    /// The spheres of a level of `mesh` where it is now.
+    pub(super) fn followed(&self, mesh: &Mesh, deformed: Option<&Deformed>) -> Vec<Followed> {
+        match (&self.binding, deformed) {
+            (Some(binding), Some(deformed)) => binding.follow(&mesh.positions, &deformed.positions),
+            _ => self.spheres.iter().map(|&sphere| Followed { sphere, rotation: DQuat::IDENTITY }).collect(),
+        }
+    }
 }
 
 /// The levels of all sphere sets, kept from frame to frame.
@@ -28,25 +44,32 @@ pub(super) struct Levels {
     overlap: Overlap,
     /// Children per parent; without it there are leaves only.
     branching: Option<usize>,
-    known: Vec<(Arc<SphereSet>, Arc<[Level]>)>,
+    /// By sphere set, and by mesh where that deforms.
+    known: Vec<(Arc<SphereSet>, Option<Arc<Mesh>>, Arc<[Level]>)>,
 }
 
 impl Levels {
     /// Of every object of `scene`, ahead of its first frame.
     pub(super) fn new(scene: &Scene, overlap: Overlap, branching: Option<usize>) -> Self {
         let mut levels = Self { overlap, branching, known: Vec::new() };
-        for set in scene.objects.iter().filter(|object| object.sphere_count > 0).filter_map(|o| o.spheres.as_ref()) {
-            levels.of(set);
+        for object in &scene.objects {
+            levels.of(object);
         }
         levels
     }
 
-    /// The levels of `set`, finest first.
-    pub(super) fn of(&mut self, set: &Arc<SphereSet>) -> Arc<[Level]> {
-        if let Some((_, levels)) = self.known.iter().find(|(known, _)| Arc::ptr_eq(known, set)) {
-            return levels.clone();
+    /// The levels of an object that blocks, finest first; `None` if it doesn't or its sphere set is not built.
+    pub(super) fn of(&mut self, object: &Object) -> Option<Arc<[Level]>> {
+        let set = object.spheres.as_ref().filter(|_| object.sphere_count > 0)?;
+        let mesh = object.skin.as_ref().map(|_| &object.mesh);
+        let is_known = |(known, of, _): &&(Arc<SphereSet>, Option<Arc<Mesh>>, _)| {
+            Arc::ptr_eq(known, set) && of.as_ref().map(Arc::as_ptr) == mesh.map(Arc::as_ptr)
+        };
+        if let Some((_, _, levels)) = self.known.iter().find(is_known) {
+            return Some(levels.clone());
         }
         let with_shares = |spheres: Vec<Sphere>, children| Level {
+            binding: mesh.map(|mesh| SphereBinding::new(mesh, &spheres)),
             shares: match self.overlap {
                 Overlap::Independent => vec![1.0; spheres.len()],
                 Overlap::Shared => overlap_shares(&spheres),
@@ -60,7 +83,7 @@ impl Levels {
                 .map(|level| with_shares(level.spheres, level.children))
                 .collect(),
         };
-        self.known.push((set.clone(), levels.clone()));
-        levels
+        self.known.push((set.clone(), mesh.cloned(), levels.clone()));
+        Some(levels)
     }
 }

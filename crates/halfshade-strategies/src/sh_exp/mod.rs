@@ -110,6 +110,7 @@ impl Strategy for ShExp {
                 Effect::ColouredLight,
                 Effect::Interreflection,
                 Effect::Motion,
+                Effect::Deformation,
             ]),
         }
     }
@@ -299,7 +300,7 @@ impl Prepared {
         for _ in 0..bounces {
             self.shade_points(points.receivers.view(), &points.emitters, light.view_mut());
             if let Some(reflections) = &mut self.reflections {
-                reflections.shine(frame, &light);
+                reflections.shine(frame, &light, &self.cuts.turns);
             }
         }
         if let Some(reflections) = &mut self.reflections {

@@ -1,13 +1,13 @@
 //! What a frame's preparation depends on, so that a frame in which nothing moved costs nothing.
 
 use glam::Quat;
-use halfshade_scene::{Environment, Frame, Pose, SphereSet};
+use halfshade_scene::{Environment, Frame, Placement, SphereSet};
 use std::sync::Arc;
 
-/// Poses, spheres and light of the frame that was prepared last.
+/// Objects, spheres and light of the frame that was prepared last.
 #[derive(Debug, Clone)]
 pub(super) struct Moment {
-    poses: Vec<Pose>,
+    placement: Placement,
     spheres: Vec<Option<Arc<SphereSet>>>,
     environment: Environment,
     world_from_environment: Quat,
@@ -16,7 +16,7 @@ pub(super) struct Moment {
 impl Moment {
     pub(super) fn of(frame: &Frame<'_>) -> Self {
         Self {
-            poses: frame.world_from_object.clone(),
+            placement: frame.placement(),
             spheres: frame.scene.objects.iter().map(|object| object.spheres.clone()).collect(),
             environment: frame.scene.environment.clone(),
             world_from_environment: frame.world_from_environment,
@@ -29,7 +29,7 @@ impl Moment {
         let same_spheres = |(known, object): (&Option<Arc<SphereSet>>, &halfshade_scene::Object)| {
             known.as_ref().map(Arc::as_ptr) == object.spheres.as_ref().map(Arc::as_ptr)
         };
-        self.poses == frame.world_from_object
+        frame.is_placed_as(&self.placement)
             && self.spheres.len() == objects.len()
             && self.spheres.iter().zip(objects).all(same_spheres)
             && self.world_from_environment == frame.world_from_environment

@@ -18,6 +18,7 @@ fn speck() -> Object {
         spheres: None,
         cluster_count: 0,
         motion: Motion::Still(Pose { scale: 1e-3, ..Pose::from_translation(Vec3::new(0.0, -40.0, 0.0)) }),
+        skin: None,
     }
 }
 
@@ -35,6 +36,7 @@ pub(super) fn spheres(environment: Environment, spheres: &[Sphere]) -> Scene {
         spheres: Some(set.clone()),
         cluster_count: 0,
         motion: Motion::Still(Pose { scale: sphere.radius, ..Pose::from_translation(sphere.center) }),
+        skin: None,
     }));
     Scene::at_rest("contract", objects, environment)
 }

@@ -99,6 +99,7 @@ pub(crate) fn object(mesh: Mesh, pose: Pose) -> Object {
         spheres: None,
         cluster_count: 0,
         motion: Motion::Still(pose),
+        skin: None,
     }
 }
 

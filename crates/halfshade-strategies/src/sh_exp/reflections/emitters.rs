@@ -1,12 +1,13 @@
 //! First pass: light at the sample points becomes a radiance vector on every sphere [Guerrero2007, 4.3.2].
 //!
-//! Sample points, normals and the matrices W_j are kept in the object's space, so that an object may turn, move and change
-//! its size. The thesis turns the form factor into that space at every receiver (figure 4.17), because rotating an SH
+//! Sample points and the matrices W_j are kept in the object's space, so that an object may turn, move and change its size.
+//! In an object that deforms the points move with their triangles, and W_j turns with the sphere: colours keep their places
+//! on it as far as its part of the surface moves as one. The thesis turns the form factor into that space at every receiver (figure 4.17), because rotating an SH
 //! vector was expensive; here the few radiance vectors are turned into the space of the light instead, once per frame,
 //! which is the same sum and leaves receivers with one set of basis values per sphere.
 
 use super::surface::SphereSurface;
-use glam::DMat3;
+use glam::{DMat3, DQuat, Vec3};
 use halfshade_scene::{Frame, RadianceBuffer, ReceiverBuffer};
 use halfshade_sh::rotation::ShRotation;
 use rayon::prelude::*;
@@ -48,7 +49,7 @@ impl Emitters {
     }
 
     /// `r = Σ_j M_j W_j` of every sphere, turned into light space. `light` is the radiance of white receivers at the
-    /// sample points of all spheres, in the order of [`place`].
+    /// sample points of all spheres, in the order of [`place`]; `turns` is how each sphere has turned within its object.
     pub(super) fn set(
         &mut self,
         surfaces: &[Arc<SphereSurface>],
@@ -56,16 +57,18 @@ impl Emitters {
         frame: &Frame<'_>,
         &Shape { bands, channels, used }: &Shape,
         light: &RadianceBuffer,
+        turns: &[DQuat],
     ) {
         let count = bands * bands;
         self.stride = channels * count;
         let light_from_world = frame.world_from_environment.as_dquat().normalize().conjugate();
-        let rotations: Vec<ShRotation> = (frame.world_from_object.iter())
-            .map(|pose| {
-                let rows = DMat3::from_quat(light_from_world * pose.rotation.as_dquat().normalize()).transpose();
-                ShRotation::new(bands, &rows.to_cols_array_2d())
-            })
-            .collect();
+        let rotation = |object: usize, turn: DQuat| {
+            let world_from_object = frame.world_from_object[object].rotation.as_dquat().normalize();
+            let rows = DMat3::from_quat(light_from_world * world_from_object * turn).transpose();
+            ShRotation::new(bands, &rows.to_cols_array_2d())
+        };
+        let of_objects: Vec<ShRotation> =
+            (0..frame.world_from_object.len()).map(|object| rotation(object, DQuat::IDENTITY)).collect();
         let mut first = 0;
         let starts: Vec<usize> = surfaces
             .iter()
@@ -89,7 +92,9 @@ impl Emitters {
                 }
             }
             *shines = sums.iter().any(|&value| value != 0.0);
-            let rotation = &rotations[owners[number] as usize];
+            let (object, turn) = (owners[number] as usize, turns[number]);
+            let own = (turn != DQuat::IDENTITY).then(|| rotation(object, turn));
+            let rotation = own.as_ref().unwrap_or(&of_objects[object]);
             for (vector, sum) in vectors.chunks_exact_mut(count).zip(sums.chunks_exact(count)) {
                 vector
                     .iter_mut()
@@ -112,10 +117,17 @@ pub(super) fn place(
     points.clear();
     emitter_of_point.clear();
     for (emitter, (surface, &object)) in surfaces.iter().zip(owners).enumerate() {
-        let pose = &frame.world_from_object[object as usize];
+        let number = object as usize;
+        let (pose, triangles) = (&frame.world_from_object[number], &frame.scene.objects[number].mesh.triangles);
+        let (positions, normals) = (frame.positions(number), frame.normals(number));
         emitter_of_point.extend(surface.samples.iter().map(|_| emitter as u32));
-        for &(position, normal) in &surface.samples {
-            points.push(pose.transform_point(position), pose.transform_direction(normal), glam::Vec3::ONE, object);
+        for (triangle, weights) in &surface.samples {
+            let corners = triangles[*triangle as usize].map(|vertex| vertex as usize);
+            let blend = |list: &[Vec3]| -> Vec3 {
+                corners.iter().zip(weights.to_array()).map(|(&vertex, weight)| weight * list[vertex]).sum()
+            };
+            let normal = blend(normals).normalize_or(normals[corners[0]]);
+            points.push(pose.transform_point(blend(positions)), pose.transform_direction(normal), Vec3::ONE, object);
         }
     }
 }

@@ -14,6 +14,7 @@ mod surface;
 
 use super::levels::{Level, Levels};
 use emitters::{Emitters, Shape};
+use glam::DQuat;
 use halfshade_scene::{Frame, Object, RadianceBuffer, ReceiverBuffer, Scene, Sphere, light::is_grey};
 use halfshade_sh::{
     blocker_table::BlockerTable,
@@ -98,8 +99,7 @@ impl Reflections {
         let (mut surfaces, mut owners, mut neighbours) = (Vec::new(), Vec::new(), Vec::new());
         let mut known: Vec<(&Object, Vec<Arc<SphereSurface>>)> = Vec::new();
         for (number, object) in scene.objects.iter().enumerate() {
-            let Some(set) = object.spheres.as_ref().filter(|_| object.sphere_count > 0) else { continue };
-            let levels = levels.of(set);
+            let Some(levels) = levels.of(object) else { continue };
             for spheres in levels.iter().map(|level| &level.spheres) {
                 let first = owners.len() as u32;
                 owners.extend(spheres.iter().map(|_| number as u32));
@@ -152,10 +152,10 @@ impl Reflections {
         self.emitters = Emitters::default();
     }
 
-    /// Lets the spheres shine by the `light` at their sample points.
-    pub(super) fn shine(&mut self, frame: &Frame<'_>, light: &RadianceBuffer) {
+    /// Lets the spheres, turned by `turns` within their objects, shine by the `light` at their sample points.
+    pub(super) fn shine(&mut self, frame: &Frame<'_>, light: &RadianceBuffer, turns: &[DQuat]) {
         let shape = Shape { bands: self.bands, channels: self.channels, used: self.radiance_coefficients };
-        self.emitters.set(&self.surfaces, &self.owners, frame, &shape, light);
+        self.emitters.set(&self.surfaces, &self.owners, frame, &shape, light, turns);
     }
 
     /// Whether any sphere shines.
@@ -170,10 +170,10 @@ impl Reflections {
 
     /// Whether `frame` is of the scene that this was made for, as far as its objects' spheres tell.
     pub(super) fn fits(&self, frame: &Frame<'_>, levels: &mut Levels) -> bool {
-        let sets = frame.scene.objects.iter().enumerate().filter(|(_, object)| object.sphere_count > 0);
         let mut owners = Vec::with_capacity(self.owners.len());
-        for (number, set) in sets.filter_map(|(number, object)| Some((number, object.spheres.as_ref()?))) {
-            owners.extend(levels.of(set).iter().flat_map(|level| &level.spheres).map(|_| number as u32));
+        for (number, object) in frame.scene.objects.iter().enumerate() {
+            let levels = levels.of(object);
+            owners.extend(levels.iter().flat_map(|levels| &**levels).flat_map(|l| &l.spheres).map(|_| number as u32));
         }
         owners == self.owners
     }

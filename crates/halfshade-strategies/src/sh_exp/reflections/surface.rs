@@ -48,8 +48,8 @@ pub(super) enum Covered {
 /// One sphere's part of a surface, in the object's space.
 #[derive(Debug, Clone, Default)]
 pub(super) struct SphereSurface {
-    /// Sample points and their unit normals.
-    pub(super) samples: Vec<(Vec3, Vec3)>,
+    /// Sample points: triangles, and weights of their vertices, so that points follow a mesh that deforms.
+    pub(super) samples: Vec<(u32, Vec3)>,
     /// W_j: per sample and channel an SH vector.
     pub(super) weights: Vec<f32>,
 }
@@ -107,10 +107,10 @@ pub(super) fn surfaces(
         }
         best
     };
-    let normal_at = |crossing: &Crossing| {
+    let has_normal = |crossing: &Crossing| {
         let corners = object.mesh.triangles[crossing.triangle].map(|v| object.mesh.normals[v as usize].as_dvec3());
         let blend: DVec3 = corners.into_iter().zip(crossing.weights.to_array()).map(|(n, w)| w * n).sum();
-        blend.try_normalize().map(|normal| normal.as_vec3())
+        blend.try_normalize().is_some()
     };
     let count = bands * bands;
     (0..spheres.len())
@@ -120,9 +120,9 @@ pub(super) fn surfaces(
             let mut valid = Vec::new();
             for (sample, &direction) in geodesic.samples.iter().enumerate() {
                 let seen = look(number, direction);
-                if let Some((seen, normal)) = seen.and_then(|seen| normal_at(&seen.crossing).map(|n| (seen, n))) {
+                if let Some(Seen { crossing, .. }) = seen.filter(|seen| has_normal(&seen.crossing)) {
                     valid.push(sample);
-                    surface.samples.push((seen.point.as_vec3(), normal));
+                    surface.samples.push((crossing.triangle as u32, crossing.weights.as_vec3()));
                 }
             }
             let all: Vec<usize> = (0..geodesic.samples.len()).collect();

@@ -1,0 +1,147 @@
+//! Deforming meshes: linear blend skinning by a skeleton.
+//!
+//! Every joint carries its surroundings along, from where they are at rest to where the joint takes them; a vertex goes to
+//! the weighted mean of where its joints would take it:
+//!
+//! ```text
+//! p(t) = Σ_j w_j M_j(t) p        M_j(t) = object_from_joint_j(t) · joint_j_from_object(at rest)        Σ_j w_j = 1
+//! ```
+//!
+//! Normals are turned by the cofactors of the blended matrix, which keep them upright to the deformed surface as far as the
+//! weights are locally constant: the usual approximation.
+
+use crate::{Mesh, Motion};
+use glam::{Affine3A, Mat3A, Vec3, Vec3A};
+
+/// Most joints that move one vertex.
+pub const INFLUENCES: usize = 4;
+
+/// A joint of a skeleton.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Joint {
+    /// The joint that this one hangs on, of a lower number; without one its motion is in the object's space.
+    pub parent: Option<usize>,
+    /// `parent_from_joint` over time.
+    pub motion: Motion,
+    /// Joint space from the object's space, at rest.
+    pub joint_from_rest: Affine3A,
+}
+
+/// A skeleton and how it moves the vertices of a mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Skin {
+    /// Parents before their children.
+    pub joints: Vec<Joint>,
+    /// Per vertex the joints that move it and their weights, which are not negative and add up to 1.
+    pub influences: Vec<[(u16, f32); INFLUENCES]>,
+}
+
+/// The vertices of a mesh that has left its rest, in the object's space.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Deformed {
+    /// Positions, one per vertex.
+    pub positions: Vec<Vec3>,
+    /// Unit normals, one per vertex.
+    pub normals: Vec<Vec3>,
+}
+
+impl Skin {
+    /// Whether any joint ever moves.
+    pub fn moves(&self) -> bool {
+        self.joints.iter().any(|joint| joint.motion.moves())
+    }
+
+    /// `mesh`, of as many vertices as there are influences, at `time_secs`.
+    pub fn deform(&self, mesh: &Mesh, time_secs: f64) -> Deformed {
+        let mut object_from_joint: Vec<Affine3A> = Vec::with_capacity(self.joints.len());
+        for joint in &self.joints {
+            let pose = joint.motion.at(time_secs);
+            let local =
+                Affine3A::from_scale_rotation_translation(Vec3::splat(pose.scale), pose.rotation, pose.translation);
+            let parent = joint.parent.and_then(|parent| object_from_joint.get(parent));
+            object_from_joint.push(parent.map_or(local, |parent| *parent * local));
+        }
+        let moved: Vec<Affine3A> =
+            object_from_joint.iter().zip(&self.joints).map(|(pose, joint)| *pose * joint.joint_from_rest).collect();
+        let mut deformed = Deformed::default();
+        for ((position, normal), influences) in mesh.positions.iter().zip(&mesh.normals).zip(&self.influences) {
+            let (mut matrix, mut translation) = (Mat3A::ZERO, Vec3A::ZERO);
+            for &(joint, weight) in influences.iter().filter(|(_, weight)| *weight > 0.0) {
+                matrix += moved[joint as usize].matrix3 * weight;
+                translation += moved[joint as usize].translation * weight;
+            }
+            deformed.positions.push((matrix * Vec3A::from(*position) + translation).into());
+            let [x, y, z] = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
+            let turned = Mat3A::from_cols(y.cross(z), z.cross(x), x.cross(y)) * Vec3A::from(*normal);
+            deformed.normals.push(Vec3::from(turned).normalize_or(*normal));
+        }
+        deformed
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Pose, builtin::shapes};
+    use glam::Quat;
+
+    /// Two joints on the y axis, the upper one bent about x at y = 0, weights by height.
+    fn bent_column(angle: f32) -> (Mesh, Skin) {
+        let mut mesh = shapes::sphere(8);
+        mesh.positions.iter_mut().for_each(|p| *p *= Vec3::new(0.3, 1.0, 0.3));
+        let still = |pose| Joint { parent: None, motion: Motion::Still(pose), joint_from_rest: Affine3A::IDENTITY };
+        let bent = Pose { rotation: Quat::from_rotation_x(angle), ..Pose::IDENTITY };
+        let influences = (mesh.positions.iter())
+            .map(|p| {
+                let upper = (0.5 + 2.0 * p.y).clamp(0.0, 1.0);
+                [(0, 1.0 - upper), (1, upper), (0, 0.0), (0, 0.0)]
+            })
+            .collect();
+        (mesh, Skin { joints: vec![still(Pose::IDENTITY), still(bent)], influences })
+    }
+
+    #[test]
+    fn at_rest_nothing_moves() {
+        let (mesh, skin) = bent_column(0.0);
+        let deformed = skin.deform(&mesh, 0.0);
+        for (vertex, position) in deformed.positions.iter().enumerate() {
+            assert!(position.distance(mesh.positions[vertex]) < 1e-6);
+            assert!(deformed.normals[vertex].distance(mesh.normals[vertex]) < 1e-5);
+        }
+        assert!(!skin.moves());
+    }
+
+    #[test]
+    fn ends_move_rigidly_and_the_bend_lies_between() {
+        let angle = 0.8;
+        let (mesh, skin) = bent_column(angle);
+        let deformed = skin.deform(&mesh, 0.0);
+        let turn = Quat::from_rotation_x(angle);
+        let mut between = 0;
+        for (vertex, (position, normal)) in mesh.positions.iter().zip(&mesh.normals).enumerate() {
+            let (moved, turned) = (deformed.positions[vertex], deformed.normals[vertex]);
+            if position.y > 0.25 {
+                assert!(moved.distance(turn * *position) < 1e-6 && turned.distance(turn * *normal) < 1e-5);
+            } else if position.y < -0.25 {
+                assert!(moved.distance(*position) < 1e-6 && turned.distance(*normal) < 1e-5);
+            } else {
+                let halfway = 0.5 * (*position + turn * *position);
+                between += usize::from(moved.distance(halfway) < 0.5 * position.distance(turn * *position) + 1e-6);
+            }
+        }
+        assert!(between > 20);
+    }
+
+    #[test]
+    fn children_follow_their_parents() {
+        let (mesh, mut skin) = bent_column(0.0);
+        let lift = Pose::from_translation(Vec3::Y);
+        skin.joints[0].motion = Motion::Keyframes(vec![(0.0, Pose::IDENTITY), (1.0, lift)]);
+        skin.joints[1].parent = Some(0);
+        let deformed = skin.deform(&mesh, 1.0);
+        assert!(skin.moves());
+        for (moved, position) in deformed.positions.iter().zip(&mesh.positions) {
+            assert!(moved.distance(*position + Vec3::Y) < 1e-6);
+        }
+    }
+}
