@@ -7,6 +7,8 @@
 //! - its radius grows or shrinks with the distance of the part's farthest point, so that the set goes on bounding the
 //!   surface: a piece moves as its triangle does and stays within the hull of its corners.
 //!
+//! A sphere in which no piece lies deepest follows the vertices nearest to its centre, and its radius their scale.
+//!
 //! At rest the sphere is what it was, to the bit. [Guerrero2007, 4.3.4] leaves deforming objects open.
 
 use super::Sphere;
@@ -18,6 +20,9 @@ use std::collections::HashSet;
 
 /// How often a triangle is halved at most; what then still lies in no single sphere goes to the nearest.
 const MOST_CUTS: u32 = 12;
+
+/// Vertices that a sphere follows which holds no part of the surface.
+const NEAREST: usize = 32;
 
 /// A point of a mesh's surface: weights, of sum 1, of three vertices.
 type Place = ([u32; 3], Vec3);
@@ -33,7 +38,7 @@ pub struct SphereBinding {
 struct Bound {
     sphere: Sphere,
     corners: Vec<Place>,
-    /// Mean of the corners at rest, and the largest distance of one from the sphere's centre.
+    /// Mean of the corners at rest, and the largest distance of one that has to be held from the sphere's centre.
     mean: DVec3,
     reach: f64,
 }
@@ -65,10 +70,13 @@ impl SphereBinding {
         }
         let bound = (spheres.iter().zip(corners))
             .map(|(&sphere, corners)| {
-                let places: Vec<DVec3> = corners.iter().map(|place| point_at(&mesh.positions, place)).collect();
                 let center = sphere.center.as_dvec3();
-                let reach = places.iter().map(|place| place.distance(center)).fold(0.0, f64::max);
-                let mean = if places.is_empty() { center } else { mean(&places) };
+                let places = |corners: &[Place]| -> Vec<DVec3> {
+                    corners.iter().map(|place| point_at(&mesh.positions, place)).collect()
+                };
+                let reach = places(&corners).iter().map(|place| place.distance(center)).fold(0.0, f64::max);
+                let corners = if corners.is_empty() { nearest(mesh, sphere.center) } else { corners };
+                let mean = mean(&places(&corners));
                 Bound { sphere, corners, mean, reach }
             })
             .collect();
@@ -76,8 +84,6 @@ impl SphereBinding {
     }
 
     /// The spheres when the mesh's vertices are at `positions` instead of `rest`.
-    ///
-    /// A sphere that holds no part of the surface stays.
     pub fn follow(&self, rest: &[Vec3], positions: &[Vec3]) -> Vec<Followed> {
         self.bound.par_iter().map(|bound| bound.follow(rest, positions)).collect()
     }
@@ -125,6 +131,15 @@ fn point_at(positions: &[Vec3], (vertices, weights): &Place) -> DVec3 {
 
 fn mean(points: &[DVec3]) -> DVec3 {
     points.iter().sum::<DVec3>() / points.len().max(1) as f64
+}
+
+/// The vertices nearest to a point.
+fn nearest(mesh: &Mesh, point: Vec3) -> Vec<Place> {
+    let mut vertices: Vec<u32> = (0..mesh.positions.len() as u32).collect();
+    let distance = |&vertex: &u32| mesh.positions[vertex as usize].distance_squared(point);
+    vertices.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+    vertices.truncate(NEAREST);
+    vertices.into_iter().map(|vertex| ([vertex; 3], Vec3::X)).collect()
 }
 
 /// Gives the corners of every piece of a triangle to the sphere that holds it.
@@ -246,11 +261,14 @@ mod tests {
         let spheres =
             [Sphere { center: Vec3::new(0.4, 0.0, 0.4), radius: 0.8 }, Sphere { center: Vec3::Y, radius: 0.1 }];
         let binding = SphereBinding::new(&flat, &spheres);
+        // The second holds nothing: it goes where its neighbours go.
+        let aside = [Vec3::ZERO, Vec3::X, Vec3::Z].map(|place| 2.0 * place + Vec3::X);
+        let followed = binding.follow(&flat.positions, &aside)[1].sphere;
+        assert!(followed.center.distance(Vec3::new(1.0, 2.0, 0.0)) < 1e-5 && (followed.radius - 0.2).abs() < 1e-5);
         let collapsed = binding.follow(&flat.positions, &[Vec3::ONE; 3]);
         assert!(
             collapsed.iter().all(|f| f.sphere.center.is_finite() && f.sphere.radius > 0.0 && f.rotation.is_finite())
         );
-        assert_eq!(collapsed[1].sphere, spheres[1]);
         assert!(SphereBinding::new(&flat, &[]).follow(&flat.positions, &flat.positions).is_empty());
         let none = SphereBinding::new(&Mesh::default(), &spheres).follow(&[], &[]);
         assert_eq!(none[0].sphere, spheres[0]);

@@ -44,8 +44,16 @@ pub(super) struct Levels {
     overlap: Overlap,
     /// Children per parent; without it there are leaves only.
     branching: Option<usize>,
-    /// By sphere set, and by mesh where that deforms.
-    known: Vec<(Arc<SphereSet>, Option<Arc<Mesh>>, Arc<[Level]>)>,
+    known: Vec<Known>,
+}
+
+/// Levels, and what they were made of.
+#[derive(Debug, Clone)]
+struct Known {
+    set: Arc<SphereSet>,
+    /// Only of a mesh that deforms.
+    mesh: Option<Arc<Mesh>>,
+    levels: Arc<[Level]>,
 }
 
 impl Levels {
@@ -62,11 +70,11 @@ impl Levels {
     pub(super) fn of(&mut self, object: &Object) -> Option<Arc<[Level]>> {
         let set = object.spheres.as_ref().filter(|_| object.sphere_count > 0)?;
         let mesh = object.skin.as_ref().map(|_| &object.mesh);
-        let is_known = |(known, of, _): &&(Arc<SphereSet>, Option<Arc<Mesh>>, _)| {
-            Arc::ptr_eq(known, set) && of.as_ref().map(Arc::as_ptr) == mesh.map(Arc::as_ptr)
+        let is_known = |known: &&Known| {
+            Arc::ptr_eq(&known.set, set) && known.mesh.as_ref().map(Arc::as_ptr) == mesh.map(Arc::as_ptr)
         };
-        if let Some((_, _, levels)) = self.known.iter().find(is_known) {
-            return Some(levels.clone());
+        if let Some(known) = self.known.iter().find(is_known) {
+            return Some(known.levels.clone());
         }
         let with_shares = |spheres: Vec<Sphere>, children| Level {
             binding: mesh.map(|mesh| SphereBinding::new(mesh, &spheres)),
@@ -83,7 +91,7 @@ impl Levels {
                 .map(|level| with_shares(level.spheres, level.children))
                 .collect(),
         };
-        self.known.push((set.clone(), mesh.cloned(), levels.clone()));
+        self.known.push(Known { set: set.clone(), mesh: mesh.cloned(), levels: levels.clone() });
         Some(levels)
     }
 }
