@@ -79,6 +79,45 @@ fn a_ball_under_a_constant_sky_gives_back_its_albedo() {
     }
 }
 
+/// A small ball far above wide ground under a constant sky: half a sphere of sky, half a sphere of what ground gives back.
+#[test]
+fn a_ball_over_wide_ground_sees_it_instead_of_the_sky_below() {
+    for (scale, turn) in [(1.0, 0.0), (1e3, 0.4)] {
+        let ground_albedo = Vec3::new(0.8, 0.4, 0.0);
+        let tilt = Quat::from_rotation_z(turn);
+        let ground = Object {
+            name: "ground".into(),
+            mesh: Arc::new(shapes::plane(8)),
+            material: Material::new(ground_albedo),
+            sphere_count: 0,
+            spheres: None,
+            motion: Motion::Still(Pose { scale: 2e3 * scale, rotation: tilt, translation: Vec3::ZERO }),
+            ..ball(Vec3::ZERO, 1.0, Vec3::ONE)
+        };
+        let up = tilt * Vec3::Y;
+        let scene = scene(vec![ground, ball(2.0 * scale * up, 0.05 * scale, Vec3::ONE)], 1);
+        let frame = scene.frame(0);
+        let receivers = ReceiverBuffer::vertices(&frame);
+        for (bounces, directions, bound) in [(0, 128, 0.025), (1, 128, 0.025), (0, 1024, 0.006), (1, 1024, 0.006)] {
+            let settings = format!("ground=seen,bounces={bounces},ground-directions={directions}");
+            let found = shade(&scene, &frame, &receivers, &settings);
+            let ignored = shade(&scene, &frame, &receivers, &format!("bounces={bounces}"));
+            for i in 0..receivers.len() {
+                if receivers.object[i] == 0 {
+                    // The ground doesn't see itself; the ball above it is a little darker below.
+                    assert!((found.at(i) - ignored.at(i)).abs().max_element() < 2e-3);
+                    continue;
+                }
+                let toward_ground = 0.5 * (1.0 - receivers.view().normal_at(i).dot(up));
+                let from_ground = if bounces == 0 { Vec3::ZERO } else { ground_albedo };
+                let expected = Vec3::ONE + toward_ground * (from_ground - Vec3::ONE);
+                let error = (found.at(i) - expected).abs().max_element();
+                assert!(error < bound, "{bounces} bounces: {} instead of {expected}", found.at(i));
+            }
+        }
+    }
+}
+
 fn crowded() -> Scene {
     let mut scene = builtin::scene("vases").unwrap();
     scene.build_spheres(&Cache::disabled(), &Silent).unwrap();

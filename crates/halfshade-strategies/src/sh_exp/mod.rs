@@ -27,7 +27,8 @@
 //! cosine over π. As published: `intersections=precomputed,walk=quadratic,projection=product,form-factor=cosine`. The
 //! default takes intersecting spheres in order instead of baking who covers whom, which brings the built-in scenes nearer
 //! to the truth at less cost (`results/thesis-frame-rates`). More bounces repeat the first pass with what the last one
-//! found. `bounces=0` leaves it at shadows. Objects without spheres neither block nor reflect.
+//! found. `bounces=0` leaves it at shadows. Objects without spheres neither block nor reflect, as published; with
+//! `ground=seen` they do both for all others, see [`ground`].
 //!
 //! Two variants of shadows go beyond the papers. `exp=quadratic` replaces the optimal-linear form within the hybrid by the first two
 //! powers of the series, see [`halfshade_sh::exponential::Method::Quadratic`]. `exp=shares` has no exponential: where k
@@ -57,8 +58,10 @@
 //! 0.098 at 8); with 8/bands² it falls: 0.026, 0.020, 0.019.
 
 mod blockers;
+mod crossings;
 mod cuts;
 mod exposed;
+mod ground;
 mod levels;
 mod light_product;
 mod moment;
@@ -68,8 +71,10 @@ mod shade;
 mod sun_product;
 
 use cuts::{Choice, CutOf, CutSettings, Cuts, ReceiverCluster};
+use ground::Ground;
 use halfshade_scene::{
-    Frame, Progress, RadianceBuffer, RadianceMut, Receivers, Scene, light::OctahedralGrid, spheres::AdjustRule,
+    Frame, Progress, RadianceBuffer, RadianceMut, ReceiverBuffer, Receivers, Scene, light::OctahedralGrid,
+    spheres::AdjustRule,
 };
 use halfshade_sh::{
     blocker_table::{BlockerTable, Quantity},
@@ -204,6 +209,9 @@ impl Strategy for ShExp {
             },
             cuts: Cuts::default(),
             reflections,
+            ground: (params.choice("ground") == "seen")
+                .then(|| Ground::new(scene, bands, params.integer("ground-directions") as usize))
+                .flatten(),
             moment: None,
         }))
     }
@@ -245,6 +253,8 @@ struct Prepared {
     cut_settings: CutSettings,
     cuts: Cuts,
     reflections: Option<Reflections>,
+    /// Objects without spheres, if they are to be seen.
+    ground: Option<Ground>,
     /// What everything above stands for.
     moment: Option<Moment>,
 }
@@ -257,6 +267,7 @@ impl Baked for Prepared {
                 ("light by normal", self.light.bytes()),
                 ("spheres", self.cuts.bytes()),
                 ("reflections", self.reflections.as_ref().map_or(0, Reflections::bytes)),
+                ("ground", self.ground.as_ref().map_or(0, Ground::bytes)),
             ],
         }
     }
@@ -280,6 +291,10 @@ impl Baked for Prepared {
         {
             return Err(StrategyError::Failed("the frame is of another scene than reflections were baked for".into()));
         }
+        if let Some(ground) = &mut self.ground {
+            let rotation = frame.world_from_environment.as_dquat().normalize().conjugate();
+            ground.look(frame, rotation, self.cuts.center);
+        }
         self.reflect(frame);
         self.moment = Some(Moment::of(frame));
         Ok(())
@@ -296,15 +311,24 @@ impl Prepared {
         let Some(reflections) = &mut self.reflections else { return };
         reflections.begin(frame);
         let (points, bounces) = (std::mem::take(&mut reflections.points), reflections.bounces);
+        let on_ground = self.ground.as_mut().map_or_else(ReceiverBuffer::default, |g| std::mem::take(&mut g.points));
         let mut light = RadianceBuffer::zeros(points.receivers.len());
+        let mut from_ground = RadianceBuffer::zeros(on_ground.len());
         for _ in 0..bounces {
-            self.shade_points(points.receivers.view(), &points.emitters, light.view_mut());
+            self.shade_points(points.receivers.view(), Some(&points.emitters), light.view_mut());
+            self.shade_points(on_ground.view(), None, from_ground.view_mut());
+            if let Some(ground) = &mut self.ground {
+                ground.shine(&from_ground);
+            }
             if let Some(reflections) = &mut self.reflections {
                 reflections.shine(frame, &light, &self.cuts.turns);
             }
         }
         if let Some(reflections) = &mut self.reflections {
             reflections.points = points;
+        }
+        if let Some(ground) = &mut self.ground {
+            ground.points = on_ground;
         }
         if self.cuts.is_coarse() {
             let mut cuts = std::mem::take(&mut self.cuts);
@@ -313,17 +337,17 @@ impl Prepared {
         }
     }
 
-    /// Shades sample points, in parallel.
-    fn shade_points(&self, receivers: Receivers<'_>, emitters: &[u32], out: RadianceMut<'_>) {
+    /// Shades sample points, in parallel; those of spheres by `emitters`.
+    fn shade_points(&self, receivers: Receivers<'_>, emitters: Option<&[u32]>, out: RadianceMut<'_>) {
         let count = receivers.len();
         if count <= SAMPLE_POINT_CHUNK {
-            return self.shade_by(receivers, CutOf::Emitter(emitters), out);
+            return self.shade_by(receivers, emitters.map_or(CutOf::Cluster, CutOf::Emitter), out);
         }
         let middle = count / 2;
         let (left, right) = out.split_at(middle);
         rayon::join(
-            || self.shade_points(receivers.slice(0..middle), &emitters[..middle], left),
-            || self.shade_points(receivers.slice(middle..count), &emitters[middle..], right),
+            || self.shade_points(receivers.slice(0..middle), emitters.map(|of| &of[..middle]), left),
+            || self.shade_points(receivers.slice(middle..count), emitters.map(|of| &of[middle..]), right),
         );
     }
 

@@ -122,6 +122,16 @@ pub(super) fn all() -> Vec<Parameter> {
             "reflections: 10n² + 2 sample points around each sphere",
             ParameterKind::Integer { default: 2, min: 1, max: 6 },
         ),
+        parameter(
+            "ground",
+            "objects without spheres: ignored by all others, or seen by them, to block and to reflect",
+            choice(&["ignored", "seen"], "ignored"),
+        ),
+        parameter(
+            "ground-directions",
+            "ground=seen: directions that every object looks into",
+            ParameterKind::Integer { default: 128, min: 16, max: 4096 },
+        ),
         parameter("clamp", "hold radiance between 0 and unshadowed", choice(&["off", "on"], "off")),
         parameter(
             "normals",

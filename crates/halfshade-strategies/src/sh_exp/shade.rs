@@ -22,11 +22,20 @@ pub(super) fn shade<const N: usize>(
     let cuts = &prepared.cuts;
     let mut batches = Batches::<N>::new(prepared);
     let Some(cut_of) = cuts.of(receivers, whose) else {
-        return batches.shade(receivers, cuts.cut(0), &mut out, |place| place);
+        if prepared.ground.is_none() {
+            return batches.shade(receivers, cuts.cut(0), &mut out, |place| place);
+        }
+        let mut first = 0;
+        for run in receivers.object.chunk_by(|a, b| a == b) {
+            batches.shade(receivers.slice(first..first + run.len()), cuts.cut(0), &mut out, |place| first + place);
+            first += run.len();
+        }
+        return;
     };
     let mut order: Vec<u32> = (0..receivers.len() as u32).collect();
-    order.sort_by_key(|&i| cut_of[i as usize]);
-    for run in order.chunk_by(|&a, &b| cut_of[a as usize] == cut_of[b as usize]) {
+    let group = |i: u32| (cut_of[i as usize], receivers.object[i as usize]);
+    order.sort_by_key(|&i| group(i));
+    for run in order.chunk_by(|&a, &b| group(a) == group(b)) {
         let cut = cuts.cut(cut_of[run[0] as usize] as usize);
         let gathered = ReceiverBuffer::gathered(receivers, run);
         batches.shade(gathered.view(), cut, &mut out, |place| run[place] as usize);
@@ -74,7 +83,8 @@ impl<'a, const N: usize> Batches<'a, N> {
         std::array::from_fn(|axis| m[3 * axis].mul_add(v[0], m[3 * axis + 1].mul_add(v[1], m[3 * axis + 2] * v[2])))
     }
 
-    /// Shades receivers that see the same spheres; `place` says where in `out` each one belongs.
+    /// Shades receivers that see the same spheres, and lie on the same object if the ground is seen; `place` says where in
+    /// `out` each one belongs.
     fn shade(
         &mut self,
         receivers: Receivers<'_>,
@@ -107,6 +117,10 @@ impl<'a, const N: usize> Batches<'a, N> {
                 Combination::Shares { .. } => self.exposure.visibility::<N>(prepared, blockers, &position, &normal),
             };
             let mut radiance = prepared.light.dot(&normal, &visibility, prepared.clamp);
+            if let Some(ground) = &prepared.ground {
+                let seen = ground.radiance(receivers.object[start], &position, &normal, &visibility);
+                radiance.iter_mut().zip(seen).for_each(|(sum, value)| *sum += value);
+            }
             if let Some((reflections, gather)) = &mut self.reflections {
                 let reflected = gather.radiance(reflections, &normal);
                 radiance.iter_mut().zip(reflected).for_each(|(sum, value)| *sum += value);

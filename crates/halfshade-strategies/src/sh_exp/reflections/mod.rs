@@ -6,7 +6,6 @@
 //!
 //! The first pass may take in what the last one found: b bounces are b rounds of it, as chapter 7 proposes.
 
-mod crossings;
 mod emitters;
 mod gather;
 mod geodesic;

@@ -18,10 +18,8 @@
 //! sample to their neighbours, so that a colour's edge isn't darkened twice. [`Covered::Kept`] leaves out case 2: the first
 //! crossing counts whoever it belongs to, and who covers whom is left to the second pass.
 
-use super::{
-    crossings::{Crossing, Crossings},
-    geodesic::Geodesic,
-};
+use super::geodesic::Geodesic;
+use crate::sh_exp::crossings::{Crossing, Crossings};
 use glam::{DVec3, Vec3};
 use halfshade_scene::{Object, Sphere};
 use halfshade_sh::product::product;

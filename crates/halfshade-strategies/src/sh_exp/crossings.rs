@@ -1,14 +1,14 @@
-//! Where a ray from within a mesh crosses its surface, all along.
+//! Where a ray crosses a mesh, all along.
 
 use glam::{DVec3, Vec3A};
 use halfshade_scene::Mesh;
 use obvhs::{
     BvhBuildParams,
     cwbvh::{CwBvh, builder::build_cwbvh},
-    ray::Ray,
+    ray::{Ray, RayHit},
     triangle::Triangle,
 };
-use std::time::Duration;
+use std::{sync::Arc, time::Duration};
 
 /// Half the mesh's largest extent in the space that rays are traced in: obvhs ignores what is nearer than 1e-4.
 const HALF_EXTENT: f64 = 512.0;
@@ -17,11 +17,17 @@ const HALF_EXTENT: f64 = 512.0;
 const EDGE: f64 = 1e-9;
 
 /// The triangles of a mesh, in its own space, in a hierarchy.
-pub(super) struct Crossings<'a> {
-    mesh: &'a Mesh,
+pub(super) struct Crossings {
+    mesh: Arc<Mesh>,
     hierarchy: CwBvh,
     center: DVec3,
     scale: f64,
+}
+
+impl std::fmt::Debug for Crossings {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Crossings").field("triangles", &self.mesh.triangles.len()).finish_non_exhaustive()
+    }
 }
 
 /// One place where a ray meets the surface.
@@ -36,8 +42,8 @@ pub(super) struct Crossing {
     pub(super) leaves: bool,
 }
 
-impl<'a> Crossings<'a> {
-    pub(super) fn new(mesh: &'a Mesh) -> Self {
+impl Crossings {
+    pub(super) fn new(mesh: &Arc<Mesh>) -> Self {
         let (low, high) = mesh.bounds().map_or((DVec3::ZERO, DVec3::ZERO), |(a, b)| (a.as_dvec3(), b.as_dvec3()));
         let half = 0.5 * (high - low).max_element();
         let (center, scale) = (0.5 * (low + high), if half > 0.0 { HALF_EXTENT / half } else { 1.0 });
@@ -53,7 +59,7 @@ impl<'a> Crossings<'a> {
         } else {
             build_cwbvh(&corners, BvhBuildParams::medium_build(), &mut Duration::default())
         };
-        Self { mesh, hierarchy, center, scale }
+        Self { mesh: mesh.clone(), hierarchy, center, scale }
     }
 
     /// Calls `each` for all crossings of the ray from `origin` along unit `direction`, in no particular order.
@@ -63,24 +69,51 @@ impl<'a> Crossings<'a> {
         if self.mesh.triangles.is_empty() {
             return;
         }
-        // Adding 0 turns -0, with which the wide nodes miss everything, into 0.
-        let ray_direction = direction.as_vec3a() + Vec3A::ZERO;
-        let ray = Ray::new(((origin - self.center) * self.scale).as_vec3a(), ray_direction, 0.0, f32::INFINITY);
-        self.hierarchy.ray_traverse_anyhit(ray, |_, slot| {
-            let triangle = self.hierarchy.primitive_indices[slot] as usize;
-            let [a, b, c] = self.mesh.triangles[triangle].map(|v| self.mesh.positions[v as usize].as_dvec3());
-            let (ab, ac) = (b - a, c - a);
-            let normal = ab.cross(ac);
-            let facing = normal.dot(direction);
-            let offset = a - origin;
-            let distance = normal.dot(offset) / facing;
-            // Barycentric weights by Cramer's rule on origin + t·direction = a + v·ab + w·ac.
-            let across = direction.cross(offset);
-            let (v, w) = (-across.dot(ac) / facing, across.dot(ab) / facing);
-            if distance > 0.0 && v.min(w).min(1.0 - v - w) >= -EDGE {
-                each(Crossing { distance, triangle, weights: DVec3::new(1.0 - v - w, v, w), leaves: facing > 0.0 });
+        self.hierarchy.ray_traverse_anyhit(self.ray(origin, direction), |_, slot| {
+            if let Some(crossing) = self.crossing(slot, origin, direction) {
+                each(crossing);
             }
         });
+    }
+
+    /// The first crossing along the ray.
+    pub(super) fn first(&self, origin: DVec3, direction: DVec3) -> Option<Crossing> {
+        if self.mesh.triangles.is_empty() {
+            return None;
+        }
+        let mut hit = RayHit::none();
+        self.hierarchy
+            .ray_traverse(self.ray(origin, direction), &mut hit, |_, slot| {
+                let crossing = self.crossing(slot, origin, direction);
+                crossing.map_or(f32::INFINITY, |crossing| (crossing.distance * self.scale) as f32)
+            })
+            .then(|| self.crossing(hit.primitive_id as usize, origin, direction))
+            .flatten()
+    }
+
+    fn ray(&self, origin: DVec3, direction: DVec3) -> Ray {
+        // Adding 0 turns -0, with which the wide nodes miss everything, into 0.
+        let direction = direction.as_vec3a() + Vec3A::ZERO;
+        Ray::new(((origin - self.center) * self.scale).as_vec3a(), direction, 0.0, f32::INFINITY)
+    }
+
+    fn crossing(&self, slot: usize, origin: DVec3, direction: DVec3) -> Option<Crossing> {
+        let triangle = self.hierarchy.primitive_indices[slot] as usize;
+        let [a, b, c] = self.mesh.triangles[triangle].map(|v| self.mesh.positions[v as usize].as_dvec3());
+        let (ab, ac) = (b - a, c - a);
+        let normal = ab.cross(ac);
+        let facing = normal.dot(direction);
+        let offset = a - origin;
+        let distance = normal.dot(offset) / facing;
+        // Barycentric weights by Cramer's rule on origin + t·direction = a + v·ab + w·ac.
+        let across = direction.cross(offset);
+        let (v, w) = (-across.dot(ac) / facing, across.dot(ab) / facing);
+        (distance > 0.0 && v.min(w).min(1.0 - v - w) >= -EDGE).then(|| Crossing {
+            distance,
+            triangle,
+            weights: DVec3::new(1.0 - v - w, v, w),
+            leaves: facing > 0.0,
+        })
     }
 }
 
@@ -95,6 +128,7 @@ mod tests {
         for scale in [1e-3f32, 1.0, 1e3] {
             let mut mesh = shapes::sphere(12);
             mesh.positions.iter_mut().for_each(|p| *p *= scale);
+            let mesh = Arc::new(mesh);
             let crossings = Crossings::new(&mesh);
             let scale = f64::from(scale);
             let mut lost = 0;
@@ -111,6 +145,8 @@ mod tests {
                     let point: DVec3 = corners.into_iter().zip(crossing.weights.to_array()).map(|(p, w)| w * p).sum();
                     assert!(point.distance(crossing.distance * direction) < 1e-9 * scale, "{crossing:?}");
                 }
+                let first = crossings.first(-3.0 * scale * direction, direction);
+                lost += usize::from(first.is_none_or(|first| first.leaves || first.distance > 2.1 * scale));
                 let mut sides = Vec::new();
                 crossings.along(-3.0 * scale * direction, direction, |crossing| sides.push(crossing.leaves));
                 sides.sort_unstable();
@@ -118,6 +154,7 @@ mod tests {
             }
             assert!(lost <= 4, "{lost}");
         }
-        Crossings::new(&Mesh::default()).along(DVec3::ZERO, DVec3::X, |_| panic!("nothing to cross"));
+        Crossings::new(&Arc::default()).along(DVec3::ZERO, DVec3::X, |_| panic!("nothing to cross"));
+        assert!(Crossings::new(&Arc::default()).first(DVec3::ZERO, DVec3::X).is_none());
     }
 }
