@@ -41,6 +41,8 @@ contract_tests!(sh_exp_six_bands, ShExp, "bounces=0,exp=hybrid,bands=6,normals=1
 contract_tests!(sh_exp_clamped, ShExp, "bounces=0,exp=hybrid,clamp=on,rule=published,window=hann", RINGING);
 contract_tests!(sh_exp_tree, ShExp, "bounces=0,levels=tree", RINGING);
 contract_tests!(sh_exp_reflections, ShExp, "", RINGING);
+contract_tests!(sh_exp_over_ground, ShExp, "ground=seen", RINGING);
+contract_tests!(sh_exp_traced, ShExp, "exp=traced,directions=512", Bounds { rotation: 0.05, ..RINGING });
 contract_tests!(
     sh_exp_reflections_as_published,
     ShExp,

@@ -210,9 +210,41 @@ fn ratios_hide_the_borders_of_clusters() {
         let fine = of("");
         let step =
             |ratios| border_step(&fine, &of(&format!("levels={levels},cut-angle=25,branching=2,ratios={ratios}")));
-        let (with, without) = (step("on"), step("off"));
+        let (with, without) = (step("shadows"), step("off"));
         assert!(without > 1e-4 && with < 0.5 * without, "{levels}, {bounces} bounces: {with}, {without}");
     }
+}
+
+/// Eq. 4.34 by experiment. On the ground, where a cluster's centre and normal stand for its receivers, the ratio upside
+/// down leads nearer to what the leaves reflect, and as printed away from it, by little. On objects, whose clusters have
+/// their centres inside and normals all around, either does harm or none: the default does without.
+#[test]
+fn ratios_of_reflections_were_decided_by_experiment() {
+    let scene = crowded();
+    let frame = scene.frame(0);
+    let vertices = ReceiverBuffer::vertices(&frame);
+    let reflected = |settings: &str| -> Vec<Vec3> {
+        let [all, shadows] =
+            ["", "bounces=0,"].map(|bounces| shade(&scene, &frame, &vertices, &format!("{bounces}{settings}")));
+        (0..all.len()).map(|i| all.at(i) - shadows.at(i)).collect()
+    };
+    let fine = reflected("");
+    let off = |ratios| {
+        let coarse = reflected(&format!("levels=cluster,cut-angle=25,branching=2,ratios={ratios}"));
+        [true, false].map(|ground| {
+            let squares = (fine.iter().zip(&coarse).zip(&vertices.object))
+                .filter(|(_, object)| !ground || **object == 0)
+                .map(|((fine, coarse), _)| f64::from((*fine - *coarse).length_squared()));
+            squares.sum::<f64>().sqrt()
+        })
+    };
+    let ([ground_none, all_none], [ground_inverted, all_inverted], [ground_printed, _]) =
+        (off("shadows"), off("on"), off("printed"));
+    assert!(
+        ground_inverted < ground_none && ground_none < ground_printed,
+        "{ground_inverted} {ground_none} {ground_printed}"
+    );
+    assert!(all_none < all_inverted, "{all_none} {all_inverted}");
 }
 
 /// A white sphere mesh of radius 1 about (0, 1.2, 0) that any spheres stand for, scaled about the origin and moved.

@@ -262,7 +262,7 @@ impl Ground {
 
 /// Even directions over the sphere: the golden spiral, about a level axis, so that no whole turn of it runs along a level
 /// horizon.
-fn spiral(count: usize) -> impl Iterator<Item = DVec3> {
+pub(super) fn spiral(count: usize) -> impl Iterator<Item = DVec3> {
     let golden = PI * (3.0 - 5.0_f64.sqrt());
     (0..count).map(move |i| {
         let x = 1.0 - (2.0 * i as f64 + 1.0) / count as f64;

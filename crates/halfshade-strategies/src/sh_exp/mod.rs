@@ -12,7 +12,7 @@
 //! `exp=product` multiplies the blockers one after another instead (eq. 4.6), which is what the logarithm approximates.
 //!
 //! **Hierarchy.** `levels=cluster` takes coarser spheres for objects that a cluster of receivers sees from afar, one level
-//! of each object; `levels=tree` goes down the hierarchy sphere by sphere. With `ratios=on` the log blocker of a parent is
+//! of each object; `levels=tree` goes down the hierarchy sphere by sphere. The log blocker of a parent is
 //! scaled band by band to the sum of its children's at the cluster's centre [Guerrero2007, eq. 4.8, 4.9].
 //!
 //! **Reflections** [Guerrero2007, 4.3]. In scenes that ask for bounces of light, the spheres that block also radiate what
@@ -29,6 +29,8 @@
 //! to the truth at less cost (`results/thesis-frame-rates`). More bounces repeat the first pass with what the last one
 //! found. `bounces=0` leaves it at shadows. Objects without spheres neither block nor reflect, as published; with
 //! `ground=seen` they do both for all others, see [`ground`].
+//!
+//! `exp=traced` measures what no way to combine blockers can do better, see [`traced`].
 //!
 //! Two variants of shadows go beyond the papers. `exp=quadratic` replaces the optimal-linear form within the hybrid by the first two
 //! powers of the series, see [`halfshade_sh::exponential::Method::Quadratic`]. `exp=shares` has no exponential: where k
@@ -69,8 +71,9 @@ mod parameters;
 mod reflections;
 mod shade;
 mod sun_product;
+mod traced;
 
-use cuts::{Choice, CutOf, CutSettings, Cuts, ReceiverCluster};
+use cuts::{Choice, CutOf, CutSettings, Cuts, ReceiverCluster, ReflectionRatios};
 use ground::Ground;
 use halfshade_scene::{
     Frame, Progress, RadianceBuffer, RadianceMut, ReceiverBuffer, Receivers, Scene, light::OctahedralGrid,
@@ -152,6 +155,9 @@ impl Strategy for ShExp {
         let (combination, quantity) = match params.choice("exp") {
             "shares" => (Combination::Shares { points: params.integer("points") as usize }, Quantity::BlockerMinusOne),
             "product" => (Combination::Product, Quantity::BlockerMinusOne),
+            "traced" => {
+                (Combination::Traced { directions: params.integer("directions") as usize }, Quantity::BlockerMinusOne)
+            }
             exp => (
                 Combination::Exponential(exponential(exp, params.float("magnitude-limit")).ok_or_else(unsupported)?),
                 logarithm,
@@ -204,7 +210,12 @@ impl Strategy for ShExp {
             cut_settings: CutSettings {
                 choice,
                 threshold_sine: params.float("cut-angle").to_radians().sin(),
-                ratios: params.choice("ratios") == "on",
+                ratios: params.choice("ratios") != "off",
+                reflection_ratios: match params.choice("ratios") {
+                    "on" => ReflectionRatios::Detailed,
+                    "printed" => ReflectionRatios::AsPrinted,
+                    _ => ReflectionRatios::None,
+                },
                 bands,
             },
             cuts: Cuts::default(),
@@ -234,6 +245,8 @@ enum Combination {
     Product,
     /// Each takes away its share.
     Shares { points: usize },
+    /// None: found direction by direction.
+    Traced { directions: usize },
     /// Logarithms are summed.
     Exponential(BatchExponential),
 }
@@ -283,7 +296,7 @@ impl Baked for Prepared {
         self.light.set(&frame.scene.environment);
         let logs = match self.combination {
             Combination::Exponential(_) => Some(&*self.table),
-            Combination::Product | Combination::Shares { .. } => None,
+            Combination::Product | Combination::Shares { .. } | Combination::Traced { .. } => None,
         };
         self.cuts = Cuts::new(frame, &mut self.levels, &self.clusters, logs, &self.cut_settings)?;
         if let Some(reflections) = &self.reflections
@@ -330,7 +343,7 @@ impl Prepared {
         if let Some(ground) = &mut self.ground {
             ground.points = on_ground;
         }
-        if self.cuts.is_coarse() {
+        if self.cuts.is_coarse() && self.cut_settings.reflection_ratios != ReflectionRatios::None {
             let mut cuts = std::mem::take(&mut self.cuts);
             let _: Option<()> = dispatch_bands!(self.bands, N => shade::scale_reflections::<N>(self, &mut cuts));
             self.cuts = cuts;

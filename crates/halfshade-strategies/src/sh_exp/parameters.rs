@@ -11,8 +11,9 @@ pub(super) fn all() -> Vec<Parameter> {
     vec![
         parameter(
             "exp",
-            "how blockers combine: product, one after another; the exponential of summed logarithms; or exposed shares",
-            choice(&["product", "series", "optimal-linear", "hybrid", "quadratic", "shares"], "hybrid"),
+            "how blockers combine: product, one after another; the exponential of summed logarithms; exposed shares; or \
+             traced and projected, which no other way can beat",
+            choice(&["product", "series", "optimal-linear", "hybrid", "quadratic", "shares", "traced"], "hybrid"),
         ),
         parameter("bands", "bands of visibility", ParameterKind::Integer { default: 4, min: 1, max: 8 }),
         parameter(
@@ -29,6 +30,11 @@ pub(super) fn all() -> Vec<Parameter> {
             "points",
             "shares: points per sphere that ask how many others cover them",
             ParameterKind::Integer { default: 8, min: 1, max: 64 },
+        ),
+        parameter(
+            "directions",
+            "traced: directions in which the nearest sphere is looked for",
+            ParameterKind::Integer { default: 2048, min: 64, max: 65_536 },
         ),
         parameter("terms", "series: highest power", ParameterKind::Integer { default: 9, min: 1, max: 16 }),
         parameter(
@@ -69,8 +75,9 @@ pub(super) fn all() -> Vec<Parameter> {
         ),
         parameter(
             "ratios",
-            "scale coarse spheres to what finer ones give at the cluster's centre",
-            choice(&["on", "off"], "on"),
+            "scale coarse spheres to what finer ones give at the cluster's centre: in shadows alone, or \
+             also what they reflect, by eq. 4.34 upside down or as printed",
+            choice(&["shadows", "on", "off", "printed"], "shadows"),
         ),
         parameter(
             "bounces",

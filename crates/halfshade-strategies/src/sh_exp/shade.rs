@@ -6,6 +6,7 @@ use super::{
     cuts::{CutOf, Cuts},
     exposed::Exposure,
     reflections::{Gather, Reflections},
+    traced::Traced,
 };
 use halfshade_scene::{RadianceMut, ReceiverBuffer, Receivers};
 use halfshade_sh::kernel::{self, LANES, ShBatch};
@@ -46,7 +47,7 @@ pub(super) fn shade<const N: usize>(
 pub(super) fn scale_reflections<const N: usize>(prepared: &Prepared, cuts: &mut Cuts) {
     let Some(reflections) = prepared.reflections.as_ref().filter(|reflections| !reflections.is_dark()) else { return };
     let mut gather = Gather::<N>::new(reflections.emitter_count(), cuts.largest());
-    cuts.set_reflection_ratios(|cluster, blockers| {
+    cuts.set_reflection_ratios(prepared.cut_settings.reflection_ratios, |cluster, blockers| {
         let normal = cluster.normal.map(f32x8::splat);
         gather.see((prepared, reflections), blockers, &cluster.place.map(f32x8::splat), &normal);
         gather.parts(reflections, &normal)
@@ -57,6 +58,7 @@ pub(super) fn scale_reflections<const N: usize>(prepared: &Prepared, cuts: &mut 
 struct Batches<'a, const N: usize> {
     prepared: &'a Prepared,
     exposure: Exposure,
+    traced: Option<Traced<N>>,
     reflections: Option<(&'a Reflections, Gather<N>)>,
     rotation: [f32x8; 9],
 }
@@ -69,6 +71,10 @@ impl<'a, const N: usize> Batches<'a, N> {
             exposure: match prepared.combination {
                 Combination::Shares { points } => Exposure::new(points, most),
                 _ => Exposure::new(1, 0),
+            },
+            traced: match prepared.combination {
+                Combination::Traced { directions } => Some(Traced::new(directions, most)),
+                _ => None,
             },
             reflections: (prepared.reflections.as_ref())
                 .filter(|reflections| !reflections.is_dark())
@@ -114,6 +120,10 @@ impl<'a, const N: usize> Batches<'a, N> {
                     exponential.evaluate(&seen.unwrap_or_else(|| log_sum::<N>(prepared, blockers, &position, &normal)))
                 }
                 Combination::Product => multiplied::<N>(prepared, blockers, &position, &normal),
+                Combination::Traced { .. } => self
+                    .traced
+                    .as_mut()
+                    .map_or([f32x8::ZERO; N], |traced| traced.visibility(prepared, blockers, &position, &normal)),
                 Combination::Shares { .. } => self.exposure.visibility::<N>(prepared, blockers, &position, &normal),
             };
             let mut radiance = prepared.light.dot(&normal, &visibility, prepared.clamp);
@@ -122,7 +132,10 @@ impl<'a, const N: usize> Batches<'a, N> {
                 radiance.iter_mut().zip(seen).for_each(|(sum, value)| *sum += value);
             }
             if let Some((reflections, gather)) = &mut self.reflections {
-                let reflected = gather.radiance(reflections, &normal);
+                let reflected = match &mut self.traced {
+                    Some(traced) => gather.radiance_of_traced(reflections, &normal, traced),
+                    None => gather.radiance(reflections, &normal),
+                };
                 radiance.iter_mut().zip(reflected).for_each(|(sum, value)| *sum += value);
             }
             for (channel, values) in radiance.into_iter().enumerate() {

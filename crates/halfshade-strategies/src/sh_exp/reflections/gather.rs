@@ -14,7 +14,7 @@
 //! neighbours: O(n·m) with m neighbours instead of O(n²/2), as chapter 6 hopes for.
 
 use super::Reflections;
-use crate::sh_exp::{Prepared, blockers::Blocker};
+use crate::sh_exp::{Prepared, blockers::Blocker, traced::Traced};
 use halfshade_sh::kernel::{self, BatchExponential, LANES, ShBatch};
 use wide::f32x8;
 
@@ -145,6 +145,21 @@ impl<const N: usize> Gather<N> {
         self.each_visible(reflections, normal, |entry, visible| {
             radiance.iter_mut().zip(entry.radiance).for_each(|(sum, l)| *sum = l.mul_add(visible, *sum));
         });
+        radiance
+    }
+
+    /// [`Self::radiance`] with the parts of spheres that are visible as `traced` has found them.
+    pub(in crate::sh_exp) fn radiance_of_traced(
+        &self,
+        reflections: &Reflections,
+        normal: &[f32x8; 3],
+        traced: &mut Traced<N>,
+    ) -> [f32x8; 3] {
+        let mut radiance = [f32x8::ZERO; 3];
+        let parts = traced.parts(|place| self.entries[place].key, &reflections.brdf(normal));
+        for (entry, &visible) in self.entries.iter().zip(parts) {
+            radiance.iter_mut().zip(entry.radiance).for_each(|(sum, l)| *sum = l.mul_add(visible, *sum));
+        }
         radiance
     }
 
