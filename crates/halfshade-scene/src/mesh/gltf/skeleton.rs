@@ -244,14 +244,15 @@ impl<'a> Skeleton<'a> {
             let problem = format!("the inverse bind matrix of {} is not affine or not finite", self.label(node));
             return Err(SceneError::new(problem));
         };
+        // First, as it says more where a node above is at fault.
+        let joint = moved.map(|moved| self.joint_of_node(moved)).transpose()?;
         if joint_from_rest.determinant() <= 0.0 {
-            let problem = format!("{} mirrors or flattens the mesh that other joints do not", self.label(node));
+            let problem = format!("{} mirrors or flattens the mesh where other joints don't", self.label(node));
             return Err(SceneError::new(problem).with_remedy("apply scales in the program that wrote the file"));
         }
-        let Some(moved) = moved else {
+        let Some(joint) = joint else {
             return self.push(None, Motion::Still(Pose::IDENTITY), joint_from_rest, true);
         };
-        let joint = self.joint_of_node(moved)?;
         if self.is_bound[joint] {
             return self.push(Some(joint), Motion::Still(Pose::IDENTITY), joint_from_rest, true);
         }
