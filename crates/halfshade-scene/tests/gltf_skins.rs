@@ -3,6 +3,7 @@
 use glam::{Affine3A, Mat4, Quat, Vec3};
 use halfshade_scene::mesh::{self, Animation};
 use halfshade_scene::{Scene, SceneError, Skin, file};
+use proptest::prelude::*;
 use std::f32::consts::FRAC_PI_2;
 use std::path::PathBuf;
 
@@ -244,8 +245,8 @@ fn of_more_than_four_joints_the_heaviest_count() {
 }
 
 #[test]
-fn vertices_that_differ_in_their_joints_alone_stay_apart() {
-    // A second column in the place of the first, that follows `lower` as a whole: a rigid mesh below it.
+fn meshes_without_a_skin_follow_their_node() {
+    // A second column, twice as high, hangs below `lower` as a whole.
     let child = r#""name":"lower","children":[2,4]"#;
     let node = r#""translation":[100,0,0]},{"name":"rigid","mesh":1,"scale":[1,2,1]}],"#;
     let meshes = r#""meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]},"#;
@@ -442,5 +443,47 @@ fn mistakes_in_numbers_are_named() {
     ] {
         let error = error(change);
         assert!(parts.iter().all(|part| error.contains(part)), "{parts:?}: {error}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 3000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Bytes and digits changed: nothing panics, errors name the file, and what loads moves to finite places.
+    #[test]
+    fn no_damage_makes_skins_panic(
+        edits in prop::collection::vec((any::<prop::sample::Index>(), 0..4_u8, any::<u8>()), 1..5),
+        interpolation in prop::sample::select(vec!["LINEAR", "STEP", "CUBICSPLINE"]),
+    ) {
+        let mut column = Column { interpolation, ..Column::default() };
+        if interpolation == "CUBICSPLINE" {
+            column.upper_values = column.upper_values.into_iter().flat_map(|value| [[0.5; 4], value, [0.5; 4]]).collect();
+        }
+        let mut bytes = column.bytes();
+        for (place, kind, value) in edits {
+            let start = place.index(bytes.len());
+            match kind {
+                0 => bytes[start] = value,
+                1 => bytes[start] ^= 1 << (value % 8),
+                // A digit for a digit: plausible numbers that are wrong.
+                _ => if let Some(digit) = bytes[start..].iter_mut().find(|byte| byte.is_ascii_digit()) {
+                    *digit = b'0' + value % 10;
+                },
+            }
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("column.glb");
+        std::fs::write(&path, &bytes).unwrap();
+        match mesh::load_animated(&path, &Animation::Number(0)) {
+            Err(error) => prop_assert!(error.to_string().starts_with(&path.display().to_string()), "{error}"),
+            Ok((mesh, skin)) => {
+                let skin = skin.unwrap_or_else(|| Skin { joints: Vec::new(), influences: Vec::new() });
+                prop_assert!(skin.influences.is_empty() || skin.influences.len() == mesh.positions.len());
+                for time in [0.0, 0.7, 1.3] {
+                    let deformed = skin.deform(&mesh, time);
+                    prop_assert!(deformed.positions.iter().chain(&deformed.normals).all(|p| p.is_finite()));
+                }
+            }
+        }
     }
 }

@@ -198,6 +198,24 @@ mod tests {
     }
 
     #[test]
+    fn vertices_that_other_joints_move_stay_apart_and_keep_theirs() {
+        // Two triangles that share an edge, each with vertices of its own.
+        let positions = [Vec3::ZERO, Vec3::X, Vec3::Z, Vec3::Z, Vec3::X, Vec3::new(1.0, 0.0, 1.0)].to_vec();
+        let normals = vec![Vec3::NEG_Y; 6];
+        let mesh = Mesh { positions, normals, triangles: vec![[3, 4, 5], [0, 1, 2]], ..Mesh::default() };
+        let of_joint = |joint: u16| [(joint, 1.0), (0, 0.0), (0, 0.0), (0, 0.0)];
+        let assembled = |joints: [u16; 6]| {
+            assemble(RawMesh { influences: joints.map(of_joint).to_vec(), ..raw(mesh.clone()) }).unwrap()
+        };
+        let apart = assembled([0, 0, 0, 1, 1, 1]);
+        assert_eq!(apart.influences, [1, 1, 1, 0, 0, 0].map(of_joint));
+        assert_eq!(apart.mesh.positions.len(), 6);
+        let together = assembled([0, 1, 2, 2, 1, 3]);
+        assert_eq!(together.influences, [2, 1, 3, 0].map(of_joint));
+        assert_eq!(together.mesh.positions, [Vec3::Z, Vec3::X, Vec3::new(1.0, 0.0, 1.0), Vec3::ZERO]);
+    }
+
+    #[test]
     fn what_cannot_be_a_mesh_is_refused() {
         let failure = |change: fn(&mut RawMesh)| {
             let mut raw = raw(shapes::plane(1));

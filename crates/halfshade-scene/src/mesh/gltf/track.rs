@@ -216,3 +216,54 @@ pub(super) fn pose_of(matrix: &DMat4) -> Result<Pose, SceneError> {
         Err(SceneError::new("its transform is too large to compute with"))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn track(interpolation: Interpolation, property: Property, values: &[f64]) -> Track {
+        Track {
+            times: vec![1.0, 3.0],
+            values: values.iter().map(|x| DVec4::splat(*x)).collect(),
+            interpolation,
+            property,
+        }
+    }
+
+    #[test]
+    fn a_spline_is_its_cubic_and_keys_cut_it_finely() {
+        // t³ between 1 and 3: its tangents are 3 t².
+        let cubic = track(Interpolation::CubicSpline, Property::Translation, &[0.0, 1.0, 3.0, 27.0, 27.0, 0.0]);
+        for time in [1.0_f64, 1.4, 2.0, 2.9, 3.0] {
+            assert!((cubic.at(time).x - time.powi(3)).abs() < 1e-12);
+        }
+        assert_eq!((cubic.at(0.0).x, cubic.at(9.0).x), (1.0, 27.0));
+        assert_eq!(cubic.times_of_keys().len(), 1 + MOST_PIECES);
+    }
+
+    #[test]
+    fn keys_are_where_a_motion_needs_them() {
+        let linear = track(Interpolation::Linear, Property::Translation, &[0.0, 1.0]);
+        assert_eq!((linear.times_of_keys(), linear.at(1.5).x), (vec![1.0, 3.0], 0.25));
+        let step = track(Interpolation::Step, Property::Translation, &[0.0, 1.0]);
+        assert_eq!(step.times_of_keys(), [1.0, 3.0_f64.next_down(), 3.0]);
+        assert_eq!([1.0, 2.9, 3.0].map(|time| step.at(time).x), [0.0, 0.0, 1.0]);
+        let scale = track(Interpolation::Linear, Property::Scale, &[1.0, 2.0]);
+        assert_eq!(scale.times_of_keys().len(), 1 + (2.0_f64.ln() / SCALE_STEP).ceil() as usize);
+        assert_eq!(track(Interpolation::Linear, Property::Scale, &[0.0, 2.0]).times_of_keys().len(), 2);
+    }
+
+    #[test]
+    fn two_mirrors_are_a_turn_one_is_refused_and_so_is_shear() {
+        let scaled = |scale| pose_of(&DMat4::from_scale(DVec3::from_array(scale)));
+        let turned = scaled([-2.0, -2.0, 2.0]).unwrap();
+        assert!(turned.transform_point(glam::Vec3::X).distance(-2.0 * glam::Vec3::X) < 1e-6);
+        assert!(scaled([-2.0, 2.0, 2.0]).unwrap_err().problem.contains("mirrors"));
+        assert!(scaled([2.0, 2.0, 2.01]).unwrap_err().problem.contains("not uniform"));
+        assert!(scaled([2.0, 2.0, 2.001]).is_ok());
+        let mut sheared = DMat4::IDENTITY;
+        sheared.y_axis = DVec4::new(0.6, 0.8, 0.0, 0.0);
+        assert!(pose_of(&sheared).unwrap_err().problem.contains("shears"));
+        assert!(pose_of(&DMat4::from_translation(DVec3::splat(1e300))).unwrap_err().problem.contains("too large"));
+    }
+}
