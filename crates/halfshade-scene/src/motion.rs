@@ -34,6 +34,14 @@ impl Motion {
         }
     }
 
+    /// The time of the last keyframe, if there is one.
+    pub fn last_key_secs(&self) -> Option<f64> {
+        match self {
+            Self::Still(_) => None,
+            Self::Keyframes(keys) => keys.last().map(|(time, _)| *time),
+        }
+    }
+
     /// Whether the pose ever changes.
     pub fn moves(&self) -> bool {
         match self {

@@ -10,7 +10,7 @@
 //! Normals are turned by the cofactors of the blended matrix, which keep them upright to the deformed surface as far as the
 //! weights are locally constant: the usual approximation.
 
-use crate::{Mesh, Motion};
+use crate::{Mesh, Motion, Pose};
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 
 /// Most joints that move one vertex.
@@ -51,6 +51,40 @@ impl Skin {
         self.joints.iter().any(|joint| joint.motion.moves())
     }
 
+    /// The time of the last keyframe of any joint; 0 without one.
+    pub fn last_key_secs(&self) -> f64 {
+        let last = |joint: &Joint| joint.motion.last_key_secs().unwrap_or(0.0);
+        self.joints.iter().map(last).fold(0.0, f64::max)
+    }
+
+    /// A bound on how far from the object's origin any vertex of `mesh` ever comes.
+    ///
+    /// It adds up, along the chain of joints, the longest translations and the largest scales, as if all happened at once
+    /// and in one direction: far too much for long chains, but in time that grows only with the number of keys. It is
+    /// infinite where an f32 along the way might be.
+    pub fn reach(&self, mesh: &Mesh) -> f64 {
+        let farthest = mesh.positions.iter().map(|p| p.as_dvec3().length()).fold(0.0, f64::max);
+        // Of each joint how far its origin comes and how much it scales, at most.
+        let mut bounds: Vec<(f64, f64)> = Vec::with_capacity(self.joints.len());
+        let mut reach = 0.0_f64;
+        for joint in &self.joints {
+            let most = |of: fn(&Pose) -> f64| match &joint.motion {
+                Motion::Still(pose) => of(pose),
+                Motion::Keyframes(keys) => keys.iter().map(|(_, pose)| of(pose)).fold(0.0, f64::max),
+            };
+            let (moved, scaled) = (most(|p| p.translation.as_dvec3().length()), most(|p| p.scale.into()));
+            let (far, scale) = joint.parent.and_then(|parent| bounds.get(parent)).copied().unwrap_or((0.0, 1.0));
+            let (far, scale) = (far + scale * moved, scale * scaled);
+            bounds.push((far, scale));
+            let rest = joint.joint_from_rest;
+            let stretch: f64 = [rest.x_axis, rest.y_axis, rest.z_axis].iter().map(|a| f64::from(a.length())).sum();
+            let bound = far + scale * (rest.translation.as_dvec3().length() + stretch * farthest);
+            let is_sound = far.max(scale) < f64::from(f32::MAX) && !bound.is_nan();
+            reach = reach.max(if is_sound { bound } else { f64::INFINITY });
+        }
+        reach
+    }
+
     /// `mesh`, of as many vertices as there are influences, at `time_secs`.
     pub fn deform(&self, mesh: &Mesh, time_secs: f64) -> Deformed {
         let mut object_from_joint: Vec<Affine3A> = Vec::with_capacity(self.joints.len());
@@ -82,7 +116,7 @@ impl Skin {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Pose, builtin::shapes};
+    use crate::builtin::shapes;
     use glam::Quat;
 
     /// Two joints on the y axis, the upper one bent about x at y = 0, weights by height.
@@ -142,6 +176,20 @@ mod tests {
         assert!(skin.moves());
         for (moved, position) in deformed.positions.iter().zip(&mesh.positions) {
             assert!(moved.distance(*position + Vec3::Y) < 1e-6);
+        }
+        assert_eq!(skin.last_key_secs(), 1.0);
+    }
+
+    #[test]
+    fn vertices_stay_within_reach() {
+        let (mesh, mut skin) = bent_column(0.8);
+        let large = Pose { scale: 3.0, ..Pose::from_translation(2.0 * Vec3::Y) };
+        skin.joints[0].motion = Motion::Keyframes(vec![(0.0, Pose::IDENTITY), (1.0, large)]);
+        skin.joints[1].parent = Some(0);
+        let reach = skin.reach(&mesh);
+        assert!(reach > 5.0 && reach < 12.0, "{reach}");
+        for time in [0.0, 0.5, 1.0] {
+            assert!(skin.deform(&mesh, time).positions.iter().all(|p| f64::from(p.length()) <= reach));
         }
     }
 }

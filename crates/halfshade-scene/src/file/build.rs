@@ -8,10 +8,12 @@ use super::{DEFAULT_FRAMES_PER_SEC, DEFAULT_SPHERE_COUNT, framing};
 use crate::light::{Projection, Sky, load_probe};
 use crate::scene::MAX_BOUNCES;
 use crate::{
-    Camera, Environment, Material, Motion, Object, Pose, Scene, SceneError, SphereLight, Texture, builtin, mesh,
+    Camera, Environment, Material, Mesh, Motion, Object, Pose, Scene, SceneError, Skin, SphereLight, Texture, builtin,
+    mesh,
 };
 use glam::{Quat, Vec3};
 use std::ops::{Range, RangeInclusive};
+use std::path::Path;
 use std::sync::Arc;
 use toml::Spanned;
 
@@ -42,11 +44,9 @@ pub(super) fn scene(source: &Source<'_>, document: Document) -> Result<Scene> {
         }
     };
     let motions = objects.iter().map(|object| &object.motion).chain(lights.iter().map(|(_, motion)| motion));
-    let last_key = motions.filter_map(|motion| match motion {
-        Motion::Keyframes(keys) => keys.last().map(|(time, _)| *time),
-        Motion::Still(_) => None,
-    });
-    let (frames_per_sec, frame_count) = animation(source, document.animation, last_key.fold(0.0, f64::max))?;
+    let of_skins = objects.iter().filter_map(|object| object.skin.as_ref()).map(|skin| skin.last_key_secs());
+    let last_key = motions.filter_map(Motion::last_key_secs).chain(of_skins).fold(0.0, f64::max);
+    let (frames_per_sec, frame_count) = animation(source, document.animation, last_key)?;
     let bounces = whole(source, "bounces", document.bounces, 0..=MAX_BOUNCES as i64, 0)?;
     Ok(Scene {
         name: document.name.unwrap_or_else(|| stem(source.path)),
@@ -150,25 +150,21 @@ fn keyframes(source: &Source<'_>, table: &Spanned<Vec<Spanned<KeyframeTable>>>) 
 fn object(source: &Source<'_>, table: Spanned<ObjectTable>, meshes: &mut Meshes) -> Result<Object> {
     let span: Range<usize> = table.span();
     let table = table.into_inner();
-    let (mesh, default_name, is_plane) = match (&table.mesh, &table.shape) {
+    let (mesh, skin, default_name, is_plane) = match (&table.mesh, &table.shape) {
         (Some(name), None) => {
             let path = source.resolve(name.get_ref());
-            let mesh = match meshes.get(&path) {
-                Some(mesh) => Arc::clone(mesh),
-                None => {
-                    let mesh = Arc::new(mesh::load(&path).map_err(|error| named_at(source, name, error))?);
-                    meshes.insert(path.clone(), Arc::clone(&mesh));
-                    mesh
-                }
-            };
-            (mesh, stem(&path), false)
+            let (mesh, skin) = mesh_and_skin(source, name, &path, table.animation.as_ref(), meshes)?;
+            (mesh, skin, stem(&path), false)
         }
         (None, Some(name)) => {
             let mesh = builtin::shape(name.get_ref()).ok_or_else(|| {
                 let known = builtin::SHAPES.join(", ");
                 source.error(name.span(), format!("unknown shape `{}`; known: {known}", name.get_ref()))
             })?;
-            (Arc::new(mesh), name.get_ref().clone(), name.get_ref() == "plane")
+            if let Some(animation) = &table.animation {
+                return Err(source.error(animation.span(), "animation belongs to a glTF mesh, and this is a shape"));
+            }
+            (Arc::new(mesh), None, name.get_ref().clone(), name.get_ref() == "plane")
         }
         _ => return Err(source.error(span, "an object needs either a mesh or a shape")),
     };
@@ -211,8 +207,33 @@ fn object(source: &Source<'_>, table: Spanned<ObjectTable>, meshes: &mut Meshes)
         spheres: None,
         cluster_count: whole(source, "clusters", table.clusters, 0..=MAX_COUNT, 0)?,
         motion,
-        skin: None,
+        skin,
     })
+}
+
+/// The mesh of a file, with a skin if an animation deforms it, read once.
+fn mesh_and_skin(
+    source: &Source<'_>,
+    name: &Spanned<String>,
+    path: &Path,
+    animation: Option<&Spanned<mesh::Animation>>,
+    meshes: &mut Meshes,
+) -> Result<(Arc<Mesh>, Option<Arc<Skin>>)> {
+    let key = (path.to_owned(), animation.map(|animation| animation.get_ref().clone()));
+    if let Some(known) = meshes.get(&key) {
+        return Ok(known.clone());
+    }
+    let (mesh, skin) = match animation {
+        None => (mesh::load(path).map_err(|error| named_at(source, name, error))?, None),
+        Some(animation) => mesh::load_animated(path, animation.get_ref()).map_err(|error| {
+            // A sound file may lack what the scene asks for, so the place that asks is named as well.
+            let asked_at = if path.is_file() { animation.span() } else { name.span() };
+            source.error(asked_at, error.to_string())
+        })?,
+    };
+    let loaded = (Arc::new(mesh), skin.map(Arc::new));
+    meshes.insert(key, loaded.clone());
+    Ok(loaded)
 }
 
 /// The error of a file that the scene names: about that file; where it can't be read at all, where it is named as well.
@@ -321,7 +342,6 @@ fn animation(source: &Source<'_>, table: Option<AnimationTable>, last_key: f64) 
 mod tests {
     use super::*;
     use crate::light::DistantLight;
-    use std::path::Path;
 
     fn read(text: &str) -> Result<Scene> {
         let source = Source::new(Path::new("folder/s.toml"), text);
@@ -395,6 +415,10 @@ mod tests {
             ("albedo = [1, nan, 0]", 3, &["albedo"]),
             ("albedo = [1, 1]", 3, &[]),
             ("albedo_texture = \"x.png\"", 3, &["`box` has no texture coordinates"]),
+            ("animation = 0", 3, &["animation", "this is a shape"]),
+            ("animation = -1", 3, &["number or the name"]),
+            ("[[object]]\nmesh = \"none.glb\"\nanimation = 0", 4, &["none.glb", "cannot be read"]),
+            ("[[object]]\nmesh = \"x.obj\"\nanimation = \"a\"", 4, &["`.obj` files have no animations"]),
             ("scale = 0", 3, &["scale", "positive"]),
             ("scale = -1", 3, &["scale"]),
             ("scale = inf", 3, &["scale"]),

@@ -2,6 +2,8 @@
 
 use serde::Deserialize;
 use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
 use toml::Spanned;
 
 /// Values keep their place in the file, so that errors can name the line.
@@ -27,6 +29,7 @@ pub(super) struct ObjectTable {
     pub(super) name: Option<String>,
     pub(super) mesh: At<String>,
     pub(super) shape: At<String>,
+    pub(super) animation: At<crate::mesh::Animation>,
     pub(super) albedo: At<[f32; 3]>,
     pub(super) albedo_texture: At<String>,
     pub(super) spheres: At<i64>,
@@ -99,5 +102,6 @@ pub(super) struct AnimationTable {
     pub(super) frame_count: At<i64>,
 }
 
-/// Meshes read so far, by path: objects that share a file share its mesh.
-pub(super) type Meshes = BTreeMap<std::path::PathBuf, std::sync::Arc<crate::Mesh>>;
+/// Meshes read so far, by path and animation: objects that share both share the mesh and its skin.
+pub(super) type Meshes =
+    BTreeMap<(PathBuf, Option<crate::mesh::Animation>), (Arc<crate::Mesh>, Option<Arc<crate::Skin>>)>;

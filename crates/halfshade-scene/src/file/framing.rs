@@ -1,6 +1,6 @@
 //! A camera that sees all of something.
 
-use crate::{Camera, Object};
+use crate::{Camera, Object, mesh::bounds};
 use glam::Vec3;
 
 /// A camera, from above the front right, that sees the sphere around a box.
@@ -17,7 +17,10 @@ pub(super) fn camera_on(min: Vec3, max: Vec3) -> Camera {
 pub(super) fn bounds_of(objects: &[Object]) -> (Vec3, Vec3) {
     let of = |object: &Object| {
         let pose = object.motion.at(0.0);
-        let (min, max) = object.mesh.bounds()?;
+        let (min, max) = match object.deformed(0.0) {
+            Some(deformed) => bounds(&deformed.positions)?,
+            None => bounds(&object.mesh.positions)?,
+        };
         let corner = |i: usize| {
             let pick = Vec3::new((i & 1) as f32, ((i >> 1) & 1) as f32, ((i >> 2) & 1) as f32);
             pose.transform_point(min + pick * (max - min))

@@ -10,6 +10,8 @@
 //! [[object]]
 //! mesh = "bunny.obj"                # or shape = "sphere"|"plane"|"box"|..: see builtin::SHAPES
 //! name = "bunny"                    # default: the mesh's or the shape's name
+//! # animation = 0                   # or = "walk": the animation, by number or name, of a glTF with a skin that deforms the
+//! #                                 # object; without it the mesh stays as the file has it. See mesh::load_animated
 //! albedo = [0.7, 0.5, 0.4]          # in [0, 1]; default 0.8
 //! albedo_texture = "bunny.png"      # PNG or JPEG, multiplies the albedo; for meshes with texture coordinates, in place
 //!                                   # of the textures that a glTF brings
@@ -41,7 +43,7 @@
 //!
 //! [animation]
 //! frames_per_sec = 30
-//! frame_count = 90                  # default: up to the last keyframe
+//! frame_count = 90                  # default: up to the last keyframe, of objects, lights and glTF animations
 //! ```
 
 mod build;

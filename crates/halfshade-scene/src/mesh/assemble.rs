@@ -2,13 +2,14 @@
 
 use super::weld::position_key;
 use super::{Mesh, repaired, smooth_normals, weld};
+use crate::skin::INFLUENCES;
 use crate::{SceneError, Texture};
 use glam::Vec3;
 use std::collections::HashMap;
 use std::sync::Arc;
 
 /// Coordinates beyond this would overflow f32 once multiplied three times, as volumes are.
-const LARGEST_COORDINATE: f32 = 1e12;
+pub(super) const LARGEST_COORDINATE: f32 = 1e12;
 
 /// What loaders return: unchecked.
 #[derive(Debug, Clone, Default)]
@@ -25,13 +26,25 @@ pub(super) struct RawMesh {
     pub(super) textures: Vec<Arc<Texture>>,
     /// Triangles, with indices as read.
     pub(super) triangles: Vec<[u32; 3]>,
+    /// Joints and weights of each vertex, as in [`crate::Skin`]; empty, or one per position.
+    pub(super) influences: Vec<[(u16, f32); INFLUENCES]>,
     /// What the file calls a vertex's place, for messages: its line number by vertex, where there are lines.
     pub(super) lines: Vec<usize>,
 }
 
+/// A sound mesh.
+#[derive(Debug, Clone)]
+pub(super) struct Assembled {
+    pub(super) mesh: Mesh,
+    /// As in [`RawMesh`], of the mesh's vertices.
+    pub(super) influences: Vec<[(u16, f32); INFLUENCES]>,
+    /// What was repaired, for people.
+    pub(super) notes: Vec<String>,
+}
+
 /// Checks, repairs and completes a mesh; see [`super::load`].
-pub(super) fn assemble(raw: RawMesh) -> Result<(Mesh, Vec<String>), SceneError> {
-    let RawMesh { positions, normals, colors, texture_coordinates, textures, triangles, lines } = raw;
+pub(super) fn assemble(raw: RawMesh) -> Result<Assembled, SceneError> {
+    let RawMesh { positions, normals, colors, texture_coordinates, textures, triangles, influences, lines } = raw;
     let about = |index: usize, problem: String| {
         let error = SceneError::new(problem).with_remedy("repair or rescale the mesh in the program that wrote it");
         match lines.get(index) {
@@ -67,7 +80,8 @@ pub(super) fn assemble(raw: RawMesh) -> Result<(Mesh, Vec<String>), SceneError> 
     if mesh.triangles.is_empty() {
         return Err(SceneError::new("no triangle of the mesh has an area"));
     }
-    Ok((compacted(with_unit_normals(mesh)), notes))
+    let (mesh, influences) = compacted(with_unit_normals(mesh), &influences);
+    Ok(Assembled { mesh, influences, notes })
 }
 
 /// Normals of unit length: those given, else smooth ones.
@@ -88,21 +102,26 @@ fn with_unit_normals(mut mesh: Mesh) -> Mesh {
     mesh
 }
 
-/// The same mesh without unused vertices, and with one vertex where several were equal in everything.
-fn compacted(mesh: Mesh) -> Mesh {
+/// The same mesh without unused vertices, and with one vertex where several were equal in everything, what moves them
+/// included.
+fn compacted(mesh: Mesh, influences: &[[(u16, f32); INFLUENCES]]) -> (Mesh, Vec<[(u16, f32); INFLUENCES]>) {
     let mut result = Mesh { textures: mesh.textures, ..Mesh::default() };
-    let mut index_of: HashMap<[[u32; 3]; 4], u32> = HashMap::with_capacity(mesh.positions.len());
+    let mut kept_influences = Vec::new();
+    let mut index_of: HashMap<_, u32> = HashMap::with_capacity(mesh.positions.len());
     for triangle in &mesh.triangles {
         result.triangles.push(triangle.map(|v| {
             let v = v as usize;
             let (position, normal) = (mesh.positions[v], mesh.normals[v]);
             let (color, place) = (mesh.colors.get(v).copied(), mesh.texture_coordinates.get(v).copied());
+            let moved_by = influences.get(v).copied();
             let key = [position, normal, color.unwrap_or_default(), place.unwrap_or_default()].map(position_key);
-            *index_of.entry(key).or_insert_with(|| {
+            let moved_by_key = moved_by.map(|list| list.map(|(joint, weight)| (joint, weight.to_bits())));
+            *index_of.entry((key, moved_by_key)).or_insert_with(|| {
                 result.positions.push(position);
                 result.normals.push(normal);
                 result.colors.extend(color);
                 result.texture_coordinates.extend(place);
+                kept_influences.extend(moved_by);
                 result.positions.len() as u32 - 1
             })
         }));
@@ -110,7 +129,7 @@ fn compacted(mesh: Mesh) -> Mesh {
     if result.colors.iter().all(|color| *color == Vec3::ONE) {
         result.colors.clear();
     }
-    result
+    (result, kept_influences)
 }
 
 #[cfg(test)]
@@ -120,7 +139,7 @@ mod tests {
 
     fn raw(mesh: Mesh) -> RawMesh {
         let Mesh { positions, normals, colors, texture_coordinates, textures, triangles } = mesh;
-        RawMesh { positions, normals, colors, texture_coordinates, textures, triangles, lines: Vec::new() }
+        RawMesh { positions, normals, colors, texture_coordinates, textures, triangles, ..RawMesh::default() }
     }
 
     #[test]
@@ -130,14 +149,14 @@ mod tests {
         mesh.normals.iter_mut().for_each(|n| *n *= 1e-30);
         mesh.normals[7] = Vec3::splat(f32::NAN);
         mesh.normals[9] = Vec3::ZERO;
-        let (mesh, _) = assemble(raw(mesh)).unwrap();
+        let mesh = assemble(raw(mesh)).unwrap().mesh;
         assert_eq!(mesh.positions.len(), sound.positions.len());
         assert!(mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-6));
         assert!(mesh.positions.iter().zip(&mesh.normals).all(|(p, n)| n.distance(p.normalize()) < 0.02));
         // A box whose faces are split, without normals: each corner has one, so equal vertices merge.
         let mut split = shapes::box_mesh(2);
         split.normals.clear();
-        let (mesh, _) = assemble(raw(split)).unwrap();
+        let mesh = assemble(raw(split)).unwrap().mesh;
         assert_eq!(mesh.positions.len(), 26);
     }
 
@@ -147,7 +166,7 @@ mod tests {
         mesh.positions.push(Vec3::ONE);
         mesh.normals.push(Vec3::ONE);
         mesh.colors = vec![Vec3::ONE; mesh.positions.len()];
-        let (mesh, notes) = assemble(raw(mesh)).unwrap();
+        let Assembled { mesh, notes, .. } = assemble(raw(mesh)).unwrap();
         assert_eq!((mesh.positions.len(), mesh.colors.len(), notes.len()), (4, 0, 0));
     }
 
@@ -167,7 +186,7 @@ mod tests {
         }
         // Damage that repair undoes.
         split.triangles[3].swap(0, 1);
-        let (mesh, notes) = assemble(raw(split)).unwrap();
+        let Assembled { mesh, notes, .. } = assemble(raw(split)).unwrap();
         // Nine places, three of them on the seam.
         assert_eq!((mesh.positions.len(), mesh.texture_coordinates.len(), notes.len()), (12, 12, 1));
         for triangle in &mesh.triangles {
@@ -176,6 +195,24 @@ mod tests {
             let right = corners.iter().map(|&v| mesh.positions[v].x).sum::<f32>() > 0.0;
             assert_eq!(island, [if right { 5.0 } else { 0.0 }; 3]);
         }
+    }
+
+    #[test]
+    fn vertices_that_other_joints_move_stay_apart_and_keep_theirs() {
+        // Two triangles that share an edge, each with vertices of its own.
+        let positions = [Vec3::ZERO, Vec3::X, Vec3::Z, Vec3::Z, Vec3::X, Vec3::new(1.0, 0.0, 1.0)].to_vec();
+        let normals = vec![Vec3::NEG_Y; 6];
+        let mesh = Mesh { positions, normals, triangles: vec![[3, 4, 5], [0, 1, 2]], ..Mesh::default() };
+        let of_joint = |joint: u16| [(joint, 1.0), (0, 0.0), (0, 0.0), (0, 0.0)];
+        let assembled = |joints: [u16; 6]| {
+            assemble(RawMesh { influences: joints.map(of_joint).to_vec(), ..raw(mesh.clone()) }).unwrap()
+        };
+        let apart = assembled([0, 0, 0, 1, 1, 1]);
+        assert_eq!(apart.influences, [1, 1, 1, 0, 0, 0].map(of_joint));
+        assert_eq!(apart.mesh.positions.len(), 6);
+        let together = assembled([0, 1, 2, 2, 1, 3]);
+        assert_eq!(together.influences, [2, 1, 3, 0].map(of_joint));
+        assert_eq!(together.mesh.positions, [Vec3::Z, Vec3::X, Vec3::new(1.0, 0.0, 1.0), Vec3::ZERO]);
     }
 
     #[test]

@@ -3,22 +3,51 @@
 //! The crate checks the document's structure; the bytes of vertices and indices are read here with every offset
 //! checked, because the crate's own readers trust types and counts.
 
+mod numbers;
+mod skeleton;
+mod track;
+
 use super::assemble::RawMesh;
+use super::load::Animation;
 use crate::texture::Wrap;
-use crate::{SceneError, Texture};
+use crate::{Joint, SceneError, Texture};
 use ::gltf::accessor::{DataType, Dimensions};
 use ::gltf::image::Source;
 use ::gltf::mesh::Mode;
 use ::gltf::texture::WrappingMode;
-use ::gltf::{Accessor, Gltf, Node, Primitive, Semantic};
+use ::gltf::{Accessor, Document, Gltf, Node, Primitive, Semantic};
 use glam::{DMat3, DMat4, DVec2, DVec3, Vec3};
+use skeleton::Skeleton;
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
 type Buffers = Vec<::gltf::buffer::Data>;
 
+/// The mesh as the document has it, at rest.
 pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<RawMesh, SceneError> {
+    let (document, buffers) = read(path, bytes)?;
+    collect(&document, &buffers, path, None)
+}
+
+/// The mesh and the joints that an animation moves, on which the vertices hang as its influences say.
+pub(super) fn parse_animated(
+    path: &Path,
+    bytes: &[u8],
+    animation: &Animation,
+) -> Result<(RawMesh, Vec<Joint>), SceneError> {
+    let (document, buffers) = read(path, bytes)?;
+    let mut skeleton = Skeleton::new(&document, &buffers, animation)?;
+    let raw = collect(&document, &buffers, path, Some(&mut skeleton))?;
+    if !skeleton.has_skin() {
+        return Err(SceneError::new("it has no skin that an animation could deform")
+            .with_remedy("leave `animation` out; an object as a whole moves by `keyframe`"));
+    }
+    Ok((raw, skeleton.into_joints()))
+}
+
+/// The document, checked, and its buffers.
+fn read(path: &Path, bytes: &[u8]) -> Result<(Document, Buffers), SceneError> {
     if bytes.starts_with(b"glTF") {
         check_length(bytes)?;
     }
@@ -26,7 +55,7 @@ pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<RawMesh, SceneError> {
     let Gltf { document, blob } = Gltf::from_slice_without_validation(bytes).map_err(wrong)?;
     let json = document.into_json();
     check_positions(&json)?;
-    let document = ::gltf::Document::from_json(json).map_err(wrong)?;
+    let document = Document::from_json(json).map_err(wrong)?;
     for buffer in document.buffers() {
         if let ::gltf::buffer::Source::Uri(uri) = buffer.source() {
             check_uri(uri)?;
@@ -35,7 +64,16 @@ pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<RawMesh, SceneError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let buffers = ::gltf::import_buffers(&document, Some(folder), blob)
         .map_err(|error| SceneError::new(format!("a buffer cannot be read: {error}")))?;
+    Ok((document, buffers))
+}
 
+/// All meshes of the document's scene as one; with a skeleton, with what moves each vertex.
+fn collect(
+    document: &Document,
+    buffers: &Buffers,
+    path: &Path,
+    mut skeleton: Option<&mut Skeleton<'_>>,
+) -> Result<RawMesh, SceneError> {
     let mut stack: Vec<(Node<'_>, DMat4)> = Vec::new();
     match document.default_scene().or_else(|| document.scenes().next()) {
         Some(scene) => stack.extend(scene.nodes().map(|node| (node, DMat4::IDENTITY))),
@@ -48,6 +86,7 @@ pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<RawMesh, SceneError> {
     // The order of the file, depth first.
     stack.reverse();
     let mut raw = RawMesh::default();
+    let folder = path.parent().unwrap_or(Path::new(""));
     let mut textures = Textures { folder, list: Vec::new(), number_of: HashMap::new() };
     let mut seen = vec![false; document.nodes().len()];
     while let Some((node, world_from_parent)) = stack.pop() {
@@ -57,11 +96,19 @@ pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<RawMesh, SceneError> {
         let local = node.transform().matrix().map(|column| column.map(f64::from));
         let world_from_node = world_from_parent * DMat4::from_cols_array_2d(&local);
         if let Some(mesh) = node.mesh() {
+            let about = |error: SceneError| {
+                let name = mesh.name().map_or_else(|| mesh.index().to_string(), |name| format!("`{name}`"));
+                SceneError { problem: format!("mesh {name}: {}", error.problem), ..error }
+            };
+            let bound = skeleton.as_mut().map(|skeleton| skeleton.bind(&node)).transpose().map_err(about)?;
+            let world_from_mesh = bound.map_or(world_from_node, |(_, world_from_mesh)| world_from_mesh);
             for primitive in mesh.primitives() {
-                append(&primitive, &buffers, world_from_node, &mut textures, &mut raw).map_err(|error| {
-                    let name = mesh.name().map_or_else(|| mesh.index().to_string(), |name| format!("`{name}`"));
-                    SceneError { problem: format!("mesh {name}: {}", error.problem), ..error }
-                })?;
+                let before = raw.positions.len();
+                append(&primitive, buffers, world_from_mesh, &mut textures, &mut raw).map_err(about)?;
+                let added = raw.positions.len() - before;
+                if let (Some(skeleton), Some((binding, _)), 1..) = (skeleton.as_mut(), bound, added) {
+                    raw.influences.extend(skeleton.influences(binding, &primitive, added).map_err(about)?);
+                }
             }
         }
         let first_child = stack.len();

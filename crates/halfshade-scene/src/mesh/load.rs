@@ -1,7 +1,10 @@
 //! Mesh files: which loader reads what.
 
-use super::{Mesh, assemble, gltf, obj, ply};
-use crate::SceneError;
+use super::assemble::{Assembled, LARGEST_COORDINATE, RawMesh, assemble};
+use super::{Mesh, gltf, obj, ply};
+use crate::{SceneError, Skin};
+use serde::Deserialize;
+use std::fmt;
 use std::path::Path;
 
 /// Extensions of the mesh files that [`load`] reads, in lower case.
@@ -21,21 +24,83 @@ pub fn load(path: &Path) -> Result<Mesh, SceneError> {
 
 /// Like [`load`], with what was repaired, for people.
 pub fn load_with_notes(path: &Path) -> Result<(Mesh, Vec<String>), SceneError> {
-    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-    let read: fn(&Path, &[u8]) -> Result<assemble::RawMesh, SceneError> = match extension.as_str() {
+    let read: fn(&Path, &[u8]) -> Result<RawMesh, SceneError> = match extension(path).as_str() {
         "obj" => |_, bytes| obj::parse(bytes),
         "ply" => |_, bytes| ply::parse(bytes),
         "gltf" | "glb" => gltf::parse,
-        _ => {
+        extension => {
             return Err(SceneError::new(format!("`.{extension}` is no mesh format known here"))
                 .with_remedy(format!("use one of: .{}", EXTENSIONS.join(", .")))
                 .in_file(path));
         }
     };
+    let bytes = bytes_of(path)?;
+    let Assembled { mesh, notes, .. } = read(path, &bytes).and_then(assemble).map_err(|error| error.in_file(path))?;
+    Ok((mesh, notes))
+}
+
+/// One of the animations of a glTF file.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
+#[serde(untagged, expecting = "expected the number or the name of an animation")]
+pub enum Animation {
+    /// By its place in the file, from 0.
+    Number(usize),
+    /// By its name.
+    Name(String),
+}
+
+impl fmt::Display for Animation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number(number) => write!(f, "{number}"),
+            Self::Name(name) => write!(f, "`{name}`"),
+        }
+    }
+}
+
+/// Reads a glTF or GLB file with the skins of its meshes, deformed by one of its animations.
+///
+/// The mesh is as [`load`] says, except that what has a skin stands where the skin's first joint puts it at rest: glTF
+/// ignores the place of the node that holds it. Of more than four joints of a vertex those with the largest weights
+/// count, and weights are made to add up to 1. Channels move nodes by translation, rotation and uniform scale; splines are
+/// sampled, 240 times per second or 64 times between two keys, whichever is fewer. Morph targets and scales that aren't
+/// uniform are errors.
+///
+/// An animation in which nothing moves is a pose: the mesh is returned in it, without a skin.
+pub fn load_animated(path: &Path, animation: &Animation) -> Result<(Mesh, Option<Skin>), SceneError> {
+    let about = |error: SceneError| error.in_file(path);
+    let extension = extension(path);
+    if !matches!(extension.as_str(), "gltf" | "glb") {
+        return Err(about(
+            SceneError::new(format!("`.{extension}` files have no animations"))
+                .with_remedy("use a .gltf or .glb file, or leave `animation` out"),
+        ));
+    }
+    let (raw, joints) = gltf::parse_animated(path, &bytes_of(path)?, animation).map_err(about)?;
+    let Assembled { mut mesh, influences, .. } = assemble(raw).map_err(about)?;
+    let skin = Skin { joints, influences };
+    if skin.reach(&mesh) > f64::from(LARGEST_COORDINATE) {
+        return Err(about(SceneError::new(format!(
+            "animation {animation} moves the mesh too far out to compute with"
+        ))));
+    }
+    if skin.moves() {
+        return Ok((mesh, Some(skin)));
+    }
+    let posed = skin.deform(&mesh, 0.0);
+    (mesh.positions, mesh.normals) = (posed.positions, posed.normals);
+    Ok((mesh, None))
+}
+
+fn extension(path: &Path) -> String {
+    path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
+}
+
+fn bytes_of(path: &Path) -> Result<Vec<u8>, SceneError> {
     let bytes =
         std::fs::read(path).map_err(|error| SceneError::new(format!("cannot be read: {error}")).in_file(path))?;
     if bytes.is_empty() {
         return Err(SceneError::new("the file is empty").in_file(path));
     }
-    read(path, &bytes).and_then(assemble::assemble).map_err(|error| error.in_file(path))
+    Ok(bytes)
 }

@@ -11,7 +11,7 @@ mod repair;
 mod topology;
 mod weld;
 
-pub use load::{EXTENSIONS, load, load_with_notes};
+pub use load::{Animation, EXTENSIONS, load, load_animated, load_with_notes};
 pub use normals::smooth_normals;
 pub use repair::repaired;
 pub use topology::{Body, Topology};
@@ -44,9 +44,14 @@ pub struct Mesh {
 impl Mesh {
     /// Smallest and largest coordinates over all vertices; `None` for a mesh without any.
     pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
-        let first = *self.positions.first()?;
-        Some(self.positions.iter().fold((first, first), |(min, max), p| (min.min(*p), max.max(*p))))
+        bounds(&self.positions)
     }
+}
+
+/// Smallest and largest coordinates over all points; `None` where there are none.
+pub(crate) fn bounds(points: &[Vec3]) -> Option<(Vec3, Vec3)> {
+    let first = *points.first()?;
+    Some(points.iter().fold((first, first), |(min, max), p| (min.min(*p), max.max(*p))))
 }
 
 /// Twice the area of a triangle times its unit normal, in f64.
