@@ -95,14 +95,14 @@ fn series(results: &Results, scene: &str, frame: usize, receivers: &str) -> Vec<
         .collect();
     let mut all: Vec<Series> = Vec::new();
     for run in &runs {
-        let words: Vec<String> = run
-            .params
-            .iter()
-            .filter_map(|(key, value)| {
-                let varies =
-                    runs.iter().any(|other| other.strategy == run.strategy && other.params.get(key) != Some(value));
-                value.as_str().filter(|_| varies).map(str::to_owned)
-            })
+        // What most of a strategy's runs share needs no saying.
+        let is_usual = |key: &String, value: &serde_json::Value| {
+            let own = || runs.iter().filter(|other| other.strategy == run.strategy);
+            2 * own().filter(|other| other.params.get(key) == Some(value)).count() > own().count()
+        };
+        let words: Vec<String> = (run.params.iter())
+            .filter(|(key, value)| !is_usual(key, value))
+            .filter_map(|(key, value)| Some(format!("{key}={}", value.as_str()?)))
             .collect();
         let varying: Vec<&str> = run
             .params
@@ -388,7 +388,7 @@ mod tests {
         results.runs.extend([more, other]);
         let series = series(&results, "vases", 0, "vertices");
         let shown: Vec<(&str, usize)> = series.iter().map(|s| (s.name.as_str(), s.points.len())).collect();
-        assert_eq!(shown, [("fast", 2), ("exact", 1), ("fast series", 1)]);
+        assert_eq!(shown, [("fast", 2), ("exact", 1), ("fast exp=series", 1)]);
         assert_eq!(series[0].points[1].numbers, "6");
         assert_eq!(series[0].color, series[2].color);
         assert_ne!((series[0].mark, series[0].color), (series[2].mark, series[1].color));
