@@ -15,7 +15,8 @@ fn every_experiment_of_the_repository_can_be_planned() {
         let experiment = Experiment::load(&path).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(Some(experiment.name.as_str()), path.file_stem().and_then(|stem| stem.to_str()));
         assert!(experiment.claim.len() > 20, "{}: say which claim it tests", path.display());
-        let variants = variant::sweep(&experiment, &halfshade::strategies()).unwrap_or_else(|error| panic!("{error}"));
+        let variants = variant::sweep(&experiment, &halfshade::strategies(&halfshade_scene::Cache::disabled()))
+            .unwrap_or_else(|error| panic!("{error}"));
         assert!(!variants.is_empty());
         count += 1;
     }

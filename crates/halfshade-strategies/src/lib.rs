@@ -1,12 +1,15 @@
 //! The methods under comparison, one folder each. They never import each other: what two need lives in `halfshade-scene`
-//! or `halfshade-sh`.
+//! or `halfshade-sh`; what needs a crate that neither has, beside them here.
 
 pub mod ray_traced;
 pub mod sh_exp;
+pub mod shadow_field;
 #[cfg(test)]
 mod test_scenes;
+mod triangle_rays;
 pub mod unshadowed;
 
 pub use ray_traced::RayTraced;
 pub use sh_exp::ShExp;
+pub use shadow_field::ShadowField;
 pub use unshadowed::Unshadowed;

@@ -9,13 +9,14 @@ pub use band_limit::band_limit;
 pub use cli::Cli;
 
 use clap::Parser;
-use halfshade_strategies::{RayTraced, ShExp, Unshadowed};
+use halfshade_scene::Cache;
+use halfshade_strategies::{RayTraced, ShExp, ShadowField, Unshadowed};
 use halfshade_strategy::Strategy;
 use std::{ffi::OsString, process::ExitCode};
 
-/// Every strategy there is; the only list.
-pub fn strategies() -> Vec<Box<dyn Strategy>> {
-    vec![Box::new(Unshadowed), Box::new(RayTraced), Box::new(ShExp)]
+/// Every strategy there is; the only list. `cache` is for what they bake.
+pub fn strategies(cache: &Cache) -> Vec<Box<dyn Strategy>> {
+    vec![Box::new(Unshadowed), Box::new(RayTraced), Box::new(ShExp), Box::new(ShadowField::new(cache.clone()))]
 }
 
 /// Version and, where it is known, the commit.

@@ -102,12 +102,13 @@ fn default_output(arguments: &SceneArguments, suffix: &str) -> PathBuf {
 
 /// Does what was asked.
 pub(crate) fn dispatch(cli: Cli) -> Result<ExitCode, Failure> {
+    let cache = Cache::open(cli.cache);
     let context = Context {
-        cache: Cache::open(cli.cache),
         threads: cli.threads.map(|threads| threads.get()),
         bars: Bars::new(),
         clock: SystemClock::start(),
-        strategies: strategies(),
+        strategies: strategies(&cache),
+        cache,
         revision: revision(),
     };
     match cli.command {
