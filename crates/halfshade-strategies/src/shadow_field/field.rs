@@ -313,6 +313,34 @@ mod tests {
         }
     }
 
+    /// Between sample points and shells the field comes near to what would be projected there, the nearer the denser its
+    /// points are.
+    #[test]
+    fn denser_points_converge_to_the_projection() {
+        let mesh = shapes::torus(0.7, 0.3, 40, 20);
+        let (directions, rays) = (Directions::new(4, 48), occlusion::rays(&mesh));
+        let points: Vec<Vec3> = (0..60)
+            .map(|i| {
+                let direction = direction(0.618_034 * i as f32 % 1.0, (i as f32 + 0.5) / 60.0);
+                // On a shell outside: what is between shells isn't asked here.
+                [1.2, 1.6, 2.0][i % 3] * direction
+            })
+            .collect();
+        let error = |resolution| {
+            let projected = Projected::new(&mesh, &rays, &directions, (10, resolution), &Silent).unwrap();
+            let field = Field::new(&projected, 4, None, Storage::F32);
+            let squares = points.iter().map(|&point| {
+                // In spacings, so that it is exactly a shell's radius.
+                let point = field.center + 5.0 * field.spacing * point;
+                let exact = directions.visibility_from(&rays, point, field.center, 5.0 * field.spacing);
+                at(&field, point).iter().zip(&exact).map(|(found, exact)| f64::from(found - exact).powi(2)).sum::<f64>()
+            });
+            (squares.sum::<f64>() / points.len() as f64).sqrt()
+        };
+        let errors = [8, 16, 32].map(error);
+        assert!(errors[1] < 0.5 * errors[0] && errors[2] < 0.6 * errors[1] && errors[2] < 0.03, "{errors:?}");
+    }
+
     /// Of a ball all shells are alike in all directions but for the turn of what is seen; within it everything is dark,
     /// and one point tells all.
     #[test]
