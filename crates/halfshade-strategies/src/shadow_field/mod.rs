@@ -31,7 +31,7 @@ mod shade;
 use field::{Field, Projected, Storage};
 use glam::{DMat3, DQuat, DVec3, Vec3};
 use halfshade_scene::{
-    Cache, Environment, Frame, Mesh, Progress, RadianceMut, Receivers, Scene, SphereLight,
+    Cache, Environment, Frame, Mesh, Progress, RadianceMut, Receivers, Scene, SceneError, SphereLight,
     cache::{CacheKey, CacheSource},
     light::DistantLight,
 };
@@ -46,8 +46,10 @@ use halfshade_strategy::{
     Baked, Effect, Effects, Footprint, Info, Parameter, ParameterKind, Params, Strategy, StrategyError,
 };
 use own::{Kind, OwnOcclusion};
-use serde::{Deserialize, Serialize};
-use std::{f64::consts::PI, sync::Arc};
+use std::{
+    f64::consts::PI,
+    sync::{Arc, OnceLock},
+};
 
 /// The strategy.
 #[derive(Debug, Clone, Default)]
@@ -136,23 +138,26 @@ impl Strategy for ShadowField {
                 continue;
             }
             let mesh = &object.mesh;
-            let key = CacheKey::new("shadow-field", VERSION)
-                .value(&(&mesh.positions, &mesh.triangles, &mesh.normals))
-                .value(&(bands, params.integer("map"), shells, resolution, kind == Kind::Transfer));
-            let stored = self.cache.get_or_compute(&key, || {
-                let rays = occlusion::rays(mesh);
-                Ok(Stored {
-                    field: Projected::new(mesh, &rays, &directions, (shells, resolution), progress),
-                    own: OwnOcclusion::vectors(mesh, &rays, &directions, kind),
-                })
+            let rays = OnceLock::new();
+            let rays = || rays.get_or_init(|| occlusion::rays(mesh));
+            let key = |kind| {
+                let geometry = (&mesh.positions, &mesh.triangles, &mesh.normals);
+                CacheKey::new(kind, VERSION).value(&geometry).value(&(bands, params.integer("map")))
+            };
+            let failed = |error: SceneError| StrategyError::Failed(error.to_string());
+            let field = self.cache.get_or_compute(&key("shadow-field").value(&(shells, resolution)), || {
+                Ok(Projected::new(mesh, rays(), &directions, (shells, resolution), progress))
             });
-            let (stored, outcome) = stored.map_err(|error| StrategyError::Failed(error.to_string()))?;
+            let (projected, outcome) = field.map_err(failed)?;
             if outcome.source == CacheSource::Read {
                 progress.advance(shells as u64);
             }
+            let own = self.cache.get_or_compute(&key("own-occlusion").value(&(kind == Kind::Transfer)), || {
+                Ok(OwnOcclusion::vectors(mesh, rays(), &directions, kind))
+            });
             let entity = Arc::new(Entity {
-                field: stored.field.map(|projected| Field::new(&projected, bands, threshold, storage)),
-                own: OwnOcclusion::new(mesh, kind, directions.count(), stored.own),
+                field: projected.map(|projected| Field::new(&projected, bands, threshold, storage)),
+                own: OwnOcclusion::new(mesh, kind, directions.count(), own.map_err(failed)?.0),
             });
             known.push((mesh.clone(), entity.clone()));
             entities.push(entity);
@@ -185,13 +190,6 @@ impl Strategy for ShadowField {
 
 /// Of what is cached: raised whenever it would come out differently.
 const VERSION: u32 = 1;
-
-/// What is cached of one mesh: everything that takes rays.
-#[derive(Debug, Serialize, Deserialize)]
-struct Stored {
-    field: Option<Projected>,
-    own: Vec<f32>,
-}
 
 /// What is known of one mesh.
 #[derive(Debug)]
