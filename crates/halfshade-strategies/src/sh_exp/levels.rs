@@ -66,6 +66,11 @@ impl Levels {
         levels
     }
 
+    pub(super) fn bytes(&self) -> usize {
+        let bindings = self.known.iter().flat_map(|known| &*known.levels).filter_map(|level| level.binding.as_ref());
+        bindings.map(SphereBinding::bytes).sum()
+    }
+
     /// The levels of an object that blocks, finest first; `None` if it doesn't or its sphere set is not built.
     pub(super) fn of(&mut self, object: &Object) -> Option<Arc<[Level]>> {
         let set = object.spheres.as_ref().filter(|_| object.sphere_count > 0)?;

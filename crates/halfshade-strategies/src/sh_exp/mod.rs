@@ -278,7 +278,7 @@ impl Baked for Prepared {
             parts: vec![
                 ("blockers by angular radius", self.table.bytes()),
                 ("light by normal", self.light.bytes()),
-                ("spheres", self.cuts.bytes()),
+                ("spheres", self.cuts.bytes() + self.levels.bytes()),
                 ("reflections", self.reflections.as_ref().map_or(0, Reflections::bytes)),
                 ("ground", self.ground.as_ref().map_or(0, Ground::bytes)),
             ],

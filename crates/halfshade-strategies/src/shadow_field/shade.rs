@@ -14,7 +14,7 @@ use std::{
 };
 use wide::f32x8;
 
-/// Half the distance, in units of the object's largest extent, within which a receiver counts as the vertex it is said to be.
+/// How far, in radii of its object, a receiver may be from the vertex that its number says it is.
 const SAME_PLACE: f32 = 1e-4;
 
 /// What is multiplied or added up.
@@ -91,13 +91,13 @@ fn own<const N: usize>(
     lane: impl Fn(usize) -> usize,
 ) -> ShBatch<N> {
     let (entity, place) = (&prepared.entities[object], &prepared.places[object]);
-    let (middle, extent) = entity.field.as_ref().map_or((Vec3::ZERO, 0.0), |field| (field.center, 5.0 * field.spacing));
+    let (middle, radius) = entity.field.as_ref().map_or((Vec3::ZERO, 0.0), |field| (field.center, 5.0 * field.spacing));
     let mut local = [[0.0_f32; LANES]; N];
     let mut known = [0.0_f32; LANES];
     for k in 0..LANES {
         let in_object = in_object(place, positions[k]) + middle;
         let guess = receivers.index[lane(k)].checked_sub(prepared.first_vertices[object]).map(|v| v as usize);
-        if let Some((vector, is_vertex)) = entity.own.at(guess, in_object, SAME_PLACE * extent) {
+        if let Some((vector, is_vertex)) = entity.own.at(guess, in_object, SAME_PLACE * radius) {
             local.iter_mut().zip(vector).for_each(|(row, &value)| row[k] = value);
             known[k] = f32::from(is_vertex || entity.own.kind == Kind::Visibility);
         }
