@@ -28,9 +28,9 @@
 //! default takes intersecting spheres in order instead of baking who covers whom, which brings the built-in scenes nearer
 //! to the truth at less cost (`results/thesis-frame-rates`). More bounces repeat the first pass with what the last one
 //! found. `bounces=0` leaves it at shadows. Objects without spheres neither block nor reflect, as published; with
-//! `ground=seen` they do both for all others, see [`ground`].
+//! `ground=seen` they do both for all others, see `ground`.
 //!
-//! `exp=traced` measures what no way to combine blockers can do better, see [`traced`].
+//! `exp=traced` measures what no way to combine blockers can do better, see `traced`.
 //!
 //! Two variants of shadows go beyond the papers. `exp=quadratic` replaces the optimal-linear form within the hybrid by the first two
 //! powers of the series, see [`halfshade_sh::exponential::Method::Quadratic`]. `exp=shares` has no exponential: where k

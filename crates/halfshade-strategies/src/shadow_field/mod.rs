@@ -2,9 +2,9 @@
 //!
 //! Around every object lie concentric shells (section 6: radii 0.2 R (1 + c), R that of the object's bounding sphere). At
 //! points on them, by latitude and longitude, an *object occlusion field* holds the visibility that the object leaves, as a
-//! vector of spherical harmonics ([`occlusion`]). Each shell is thinned out as far as interpolation allows ([`adaptive`],
-//! equation 1), and coefficients are stored in 8 bits ([`field`]). What an object hides from itself is precomputed at its
-//! vertices ([`own`]).
+//! vector of spherical harmonics (`occlusion`). Each shell is thinned out as far as interpolation allows (`adaptive`,
+//! equation 1), and coefficients are stored in 8 bits (`field`). What an object hides from itself is precomputed at its
+//! vertices (`own`).
 //!
 //! ```text
 //! U = O_self * ρ̂            for all others, from near to far:    an object: U = O_j * U      a light: L += S_j · U
