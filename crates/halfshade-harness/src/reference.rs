@@ -105,12 +105,16 @@ fn key(frame: &Frame<'_>, receivers: Receivers<'_>, options: &Options) -> CacheK
         .bytes(format!("{:?} {:?}", options.geometry, options.transport).as_bytes())
         .value(&frame.world_from_environment);
     for (number, pose) in frame.world_from_object.iter().enumerate() {
-        let object = frame.object(number);
-        key = key.value(&(&object.mesh.positions, &object.mesh.triangles)).value(&(
+        let object = &frame.scene.objects[number];
+        key = key.value(&(frame.positions(number), &object.mesh.triangles)).value(&(
             pose.scale,
             pose.rotation,
             pose.translation,
         ));
+        if frame.deformed(number).is_some() {
+            // How the spheres below have followed depends on the rest as well.
+            key = key.value(&object.mesh.positions);
+        }
         for sphere in object.spheres.iter().flat_map(|set| &set.spheres) {
             key = key.value(&(sphere.center, sphere.radius));
         }

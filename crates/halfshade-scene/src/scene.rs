@@ -68,10 +68,7 @@ impl Object {
     /// Albedo on a triangle of the mesh, at the point that has these weights of its vertices.
     pub fn albedo_at(&self, triangle: usize, weights: DVec3) -> Vec3 {
         let Mesh { colors, texture_coordinates, .. } = &*self.mesh;
-        let [a, b, c] = self.mesh.triangles[triangle].map(|vertex| vertex as usize);
-        let mixed = |list: &[Vec3]| {
-            weights.x * list[a].as_dvec3() + weights.y * list[b].as_dvec3() + weights.z * list[c].as_dvec3()
-        };
+        let mixed = |list: &[Vec3]| self.mesh.interpolated(list, triangle, weights);
         let mut albedo = self.material.albedo;
         if !colors.is_empty() {
             albedo *= mixed(colors).as_vec3();

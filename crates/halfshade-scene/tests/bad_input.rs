@@ -1,5 +1,7 @@
 //! Damaged files: whatever the bytes, loaders answer with a mesh, a map or an error, and never panic.
 
+mod glb;
+
 use glam::Vec3;
 use halfshade_scene::light::{Projection, load_probe};
 use halfshade_scene::{SceneError, Texture, builtin, file, mesh};
@@ -78,27 +80,15 @@ fn tetrahedron() -> (Vec<Vec3>, Vec<[u32; 3]>) {
 }
 
 fn glb(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<u8> {
-    let mut json = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+    let json = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
         "meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],
         "accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[2,2,2]},
         {"bufferView":1,"componentType":5125,"count":12,"type":"SCALAR"}],
         "bufferViews":[{"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":48}],
-        "buffers":[{"byteLength":96}]}"#
-        .as_bytes()
-        .to_vec();
-    json.resize(json.len().next_multiple_of(4), b' ');
+        "buffers":[{"byteLength":96}]}"#;
     let mut data: Vec<u8> = positions.iter().flat_map(|p| p.to_array()).flat_map(f32::to_le_bytes).collect();
     data.extend(triangles.iter().flatten().flat_map(|v| v.to_le_bytes()));
-    let mut bytes = b"glTF".to_vec();
-    for number in [2, 12 + 8 + json.len() + 8 + data.len(), json.len()] {
-        bytes.extend((number as u32).to_le_bytes());
-    }
-    bytes.extend(b"JSON");
-    bytes.extend(&json);
-    bytes.extend((data.len() as u32).to_le_bytes());
-    bytes.extend(b"BIN\0");
-    bytes.extend(&data);
-    bytes
+    glb::glb(json, &data)
 }
 
 fn exr_bytes(width: usize, height: usize, radiance: impl Fn(usize, usize) -> [f32; 3] + Sync) -> Vec<u8> {

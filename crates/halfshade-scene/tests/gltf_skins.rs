@@ -1,5 +1,7 @@
 //! Skins and animations of glTF files, against closed forms.
 
+mod glb;
+
 use glam::{Affine3A, Mat4, Quat, Vec3};
 use halfshade_scene::mesh::{self, Animation};
 use halfshade_scene::{Scene, SceneError, Skin, file};
@@ -128,18 +130,7 @@ impl Column {
             views.join(","),
             data.len()
         ));
-        let mut json = json.into_bytes();
-        json.resize(json.len().next_multiple_of(4), b' ');
-        let mut bytes = b"glTF".to_vec();
-        for number in [2, 12 + 8 + json.len() + 8 + data.len(), json.len()] {
-            bytes.extend((number as u32).to_le_bytes());
-        }
-        bytes.extend(b"JSON");
-        bytes.extend(&json);
-        bytes.extend((data.len() as u32).to_le_bytes());
-        bytes.extend(b"BIN\0");
-        bytes.extend(&data);
-        bytes
+        glb::glb(&json, &data)
     }
 
     fn written(&self) -> (tempfile::TempDir, PathBuf) {

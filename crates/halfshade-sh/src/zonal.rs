@@ -76,6 +76,12 @@ pub fn rotation_scale(l: usize) -> f64 {
     (4.0 * PI / (2 * l + 1) as f64).sqrt()
 }
 
+/// Diffuse reflectance ρ̂ without its albedo, the clamped cosine over π, by band and times [`rotation_scale`]: what basis
+/// functions along a normal are multiplied by, see [`crate::kernel::times_bands`].
+pub fn reflectance(bands: usize) -> Vec<f64> {
+    clamped_cosine(bands).iter().enumerate().map(|(l, a)| a / PI * rotation_scale(l)).collect()
+}
+
 /// SH vector of the zonal function whose axis is turned from +z to unit `axis`:
 /// `f_l^m = sqrt(4π/(2l+1)) g_l y_l^m(axis)` [Guerrero2007, eq. 3.17].
 pub fn rotate_to_axis(zonal: &[f64], axis: [f64; 3]) -> Vec<f64> {

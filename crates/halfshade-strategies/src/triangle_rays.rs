@@ -2,7 +2,7 @@
 
 use glam::{Vec3, Vec3A};
 use obvhs::{
-    BvhBuildParams,
+    Boundable, BvhBuildParams,
     cwbvh::{CwBvh, builder::build_cwbvh},
     ray::Ray,
     rt_triangle::RtTriangle,
@@ -11,7 +11,15 @@ use std::time::Duration;
 
 /// Half the largest extent in the space that rays are traced in. obvhs ignores hits nearer than 1e-4, whatever the
 /// size: here that is two units in the last place.
-const HALF_EXTENT: f32 = 512.0;
+pub(crate) const HALF_EXTENT: f32 = 512.0;
+
+/// The hierarchy over primitives, of which there may be none.
+pub(crate) fn hierarchy<T: Boundable>(primitives: &[T]) -> CwBvh {
+    if primitives.is_empty() {
+        return CwBvh::default();
+    }
+    build_cwbvh(primitives, BvhBuildParams::medium_build(), &mut Duration::default())
+}
 
 /// Triangles, centred and scaled.
 ///
@@ -38,11 +46,7 @@ impl TriangleRays {
         let place = |point: Vec3| Vec3A::from((point - center) * scale);
         let triangles: Vec<RtTriangle> =
             corners.iter().map(|&[a, b, c]| RtTriangle::new(place(a), place(b), place(c))).collect();
-        let hierarchy = if triangles.is_empty() {
-            CwBvh::default()
-        } else {
-            build_cwbvh(&triangles, BvhBuildParams::medium_build(), &mut Duration::default())
-        };
+        let hierarchy = hierarchy(&triangles);
         let triangles = hierarchy.primitive_indices.iter().map(|&slot| triangles[slot as usize]).collect();
         let coarseness = low.abs().max(high.abs()).max_element() * f32::EPSILON * scale;
         Self { hierarchy, triangles, center, scale, coarseness }

@@ -1,10 +1,11 @@
 //! Three rubber ducks close together on a ground box ([Guerrero2007, 6]: 33k vertices, 30 leaf spheres, 40 clusters).
 
 use super::choreography::{FRAME_COUNT, FRAMES_PER_SEC, keyframes, upright, wave};
+use super::daylight;
+use super::ground::ground;
 use super::implicit::{Body, smooth_path};
 use super::polygonize::polygonize;
-use super::{daylight, shapes};
-use crate::{Camera, Material, Motion, Object, Pose, Scene};
+use crate::{Camera, Material, Object, Scene};
 use glam::{DQuat, Vec3};
 use std::sync::Arc;
 
@@ -56,18 +57,8 @@ const DUCKS: [Duck; 3] = [
 
 /// The scene.
 pub(super) fn scene() -> Scene {
-    let ground_half_size = Vec3::new(2.1, 0.15, 1.9);
     let duck = Arc::new(polygonize(&duck(), CELL));
-    let mut objects = vec![Object {
-        name: "ground".into(),
-        mesh: Arc::new(shapes::slab(ground_half_size, [88, 80])),
-        material: Material::new(Vec3::new(0.50, 0.58, 0.63)),
-        sphere_count: 0,
-        spheres: None,
-        cluster_count: 7,
-        motion: Motion::Still(Pose::from_translation(Vec3::new(0.0, -ground_half_size.y, 0.0))),
-        skin: None,
-    }];
+    let mut objects = vec![ground(Vec3::new(2.1, 0.15, 1.9), [88, 80], Vec3::new(0.50, 0.58, 0.63), 7)];
     objects.extend(DUCKS.iter().map(|one| Object {
         name: one.name.into(),
         mesh: duck.clone(),

@@ -3,6 +3,7 @@
 //! One closed mesh, fifteen joints, weights from how far along its finger a vertex lies.
 
 use super::choreography::{FRAME_COUNT, FRAMES_PER_SEC, keyframes, upright, wave};
+use super::ground::ground;
 use super::implicit::Body;
 use super::polygonize::polygonize;
 use super::{shapes, studio};
@@ -46,20 +47,10 @@ const FINGERS: [Finger; 5] = [
 
 /// The scene.
 pub(super) fn scene() -> Scene {
-    let ground_half_size = Vec3::new(1.9, 0.15, 1.7);
     let mesh = polygonize(&hand(), CELL);
     let skin = skin(&mesh);
     let objects = vec![
-        Object {
-            name: "ground".into(),
-            mesh: Arc::new(shapes::slab(ground_half_size, [76, 68])),
-            material: Material::new(Vec3::new(0.62, 0.60, 0.56)),
-            sphere_count: 0,
-            spheres: None,
-            cluster_count: 6,
-            motion: Motion::Still(Pose::from_translation(Vec3::new(0.0, -ground_half_size.y, 0.0))),
-            skin: None,
-        },
+        ground(Vec3::new(1.9, 0.15, 1.7), [76, 68], Vec3::new(0.62, 0.60, 0.56), 6),
         Object {
             name: "hand".into(),
             mesh: Arc::new(mesh),

@@ -14,6 +14,7 @@
 mod choreography;
 mod daylight;
 mod ducks;
+mod ground;
 mod hand;
 mod implicit;
 mod lathe;

@@ -2,10 +2,11 @@
 //! clusters).
 
 use super::choreography::{FRAME_COUNT, FRAMES_PER_SEC, keyframes, wave};
+use super::daylight;
+use super::ground::ground;
 use super::implicit::{Body, smooth_path};
 use super::lathe::{ProfilePoint, lathe};
 use super::polygonize::polygonize;
-use super::{daylight, shapes};
 use crate::{Camera, Material, Mesh, Motion, Object, Pose, Scene};
 use glam::{DQuat, Quat, Vec3};
 use std::f32::consts::FRAC_PI_3;
@@ -72,13 +73,8 @@ pub(super) fn scene() -> Scene {
     let mut objects = vec![
         Object {
             name: "inclined box".into(),
-            mesh: Arc::new(shapes::slab(ground_half_size, [92, 66])),
-            material: Material::new(Vec3::new(0.60, 0.56, 0.50)),
-            sphere_count: 0,
-            spheres: None,
-            cluster_count: 5,
             motion: Motion::Still(Pose::from_translation(Vec3::new(0.0, -ground_half_size.y, 0.0)).then(&slope)),
-            skin: None,
+            ..ground(ground_half_size, [92, 66], Vec3::new(0.60, 0.56, 0.50), 5)
         },
         Object {
             name: "squirrel".into(),

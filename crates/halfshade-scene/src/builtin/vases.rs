@@ -1,9 +1,10 @@
 //! Five vases on a ground box ([Guerrero2007, 6]: 15k vertices, 20 leaf spheres, 35 clusters).
 
 use super::choreography::{FRAME_COUNT, FRAMES_PER_SEC, keyframes, upright, wave};
+use super::ground::ground;
 use super::lathe::{ProfilePoint, lathe};
-use super::{shapes, studio};
-use crate::{Camera, Material, Mesh, Motion, Object, Pose, Scene};
+use super::studio;
+use crate::{Camera, Material, Mesh, Object, Scene};
 use glam::{DVec2, Vec3};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -197,17 +198,7 @@ const VASES: [Vase; 5] = [
 
 /// The scene.
 pub(super) fn scene() -> Scene {
-    let ground_half_size = Vec3::new(2.2, 0.15, 1.9);
-    let mut objects = vec![Object {
-        name: "ground".into(),
-        mesh: Arc::new(shapes::slab(ground_half_size, [72, 62])),
-        material: Material::new(Vec3::new(0.62, 0.60, 0.56)),
-        sphere_count: 0,
-        spheres: None,
-        cluster_count: 5,
-        motion: Motion::Still(Pose::from_translation(Vec3::new(0.0, -ground_half_size.y, 0.0))),
-        skin: None,
-    }];
+    let mut objects = vec![ground(Vec3::new(2.2, 0.15, 1.9), [72, 62], Vec3::new(0.62, 0.60, 0.56), 5)];
     objects.extend(VASES.iter().map(|vase| Object {
         name: vase.name.into(),
         mesh: Arc::new(mesh(vase)),

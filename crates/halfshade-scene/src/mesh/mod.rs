@@ -18,7 +18,7 @@ pub use topology::{Body, Topology};
 pub use weld::{Welded, weld};
 
 use crate::Texture;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
 /// A triangle mesh with a normal per vertex.
@@ -46,10 +46,16 @@ impl Mesh {
     pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
         bounds(&self.positions)
     }
+
+    /// Values of vertices, one each, interpolated at the point of a triangle that has these weights of its vertices.
+    pub fn interpolated(&self, values: &[Vec3], triangle: usize, weights: DVec3) -> DVec3 {
+        let [a, b, c] = self.triangles[triangle].map(|vertex| values[vertex as usize].as_dvec3());
+        weights.x * a + weights.y * b + weights.z * c
+    }
 }
 
 /// Smallest and largest coordinates over all points; `None` where there are none.
-pub(crate) fn bounds(points: &[Vec3]) -> Option<(Vec3, Vec3)> {
+pub fn bounds(points: &[Vec3]) -> Option<(Vec3, Vec3)> {
     let first = *points.first()?;
     Some(points.iter().fold((first, first), |(min, max), p| (min.min(*p), max.max(*p))))
 }

@@ -13,7 +13,7 @@ mod table;
 pub use exponential::{BatchExponential, FULL, dot, limit_to_visibility};
 pub use lane::Lane;
 pub use shares::{CapBatch, ExposedShares};
-pub use straight_line::{accumulate_lobe, basis, product, product_one, square, square_one};
+pub use straight_line::{accumulate_lobe, basis, product, product_one, square, square_one, times_bands};
 
 use wide::f32x8;
 

@@ -14,6 +14,17 @@ pub fn basis<L: Lane, const N: usize>(direction: [L; 3]) -> [L; N] {
     generated::basis(direction)
 }
 
+/// Each band of a vector times that band's factor, of which there is at least one per band.
+#[inline(always)]
+pub fn times_bands<const N: usize, F: Copy + Into<f32x8>>(vector: &ShBatch<N>, factors: &[F]) -> ShBatch<N> {
+    let mut product = *vector;
+    for l in 0..const { N.isqrt() } {
+        let factor: f32x8 = factors[l].into();
+        product[l * l..(l + 1) * (l + 1)].iter_mut().for_each(|value| *value *= factor);
+    }
+    product
+}
+
 /// Adds a zonal function turned to unit `direction` to `sum`: `sum_i += scale_l y_i(direction)`
 /// [Guerrero2007, eq. 3.17]; `scale` holds `sqrt(4π/(2l+1)) g_l`, at least one per band.
 #[inline(always)]

@@ -1,17 +1,14 @@
 //! Where a ray crosses a mesh, all along.
 
+use crate::triangle_rays::{HALF_EXTENT, hierarchy};
 use glam::{DVec3, Vec3A};
 use halfshade_scene::Mesh;
 use obvhs::{
-    BvhBuildParams,
-    cwbvh::{CwBvh, builder::build_cwbvh},
+    cwbvh::CwBvh,
     ray::{Ray, RayHit},
     triangle::Triangle,
 };
-use std::{sync::Arc, time::Duration};
-
-/// Half the mesh's largest extent in the space that rays are traced in: obvhs ignores what is nearer than 1e-4.
-const HALF_EXTENT: f64 = 512.0;
+use std::sync::Arc;
 
 /// How far outside a triangle, in barycentric weights, a crossing still counts: sample directions meet vertices exactly.
 const EDGE: f64 = 1e-9;
@@ -46,7 +43,7 @@ impl Crossings {
     pub(super) fn new(mesh: &Arc<Mesh>) -> Self {
         let (low, high) = mesh.bounds().map_or((DVec3::ZERO, DVec3::ZERO), |(a, b)| (a.as_dvec3(), b.as_dvec3()));
         let half = 0.5 * (high - low).max_element();
-        let (center, scale) = (0.5 * (low + high), if half > 0.0 { HALF_EXTENT / half } else { 1.0 });
+        let (center, scale) = (0.5 * (low + high), if half > 0.0 { f64::from(HALF_EXTENT) / half } else { 1.0 });
         let corners: Vec<Triangle> = (mesh.triangles.iter())
             .map(|corners| {
                 let [v0, v1, v2] =
@@ -54,11 +51,7 @@ impl Crossings {
                 Triangle { v0, v1, v2 }
             })
             .collect();
-        let hierarchy = if corners.is_empty() {
-            CwBvh::default()
-        } else {
-            build_cwbvh(&corners, BvhBuildParams::medium_build(), &mut Duration::default())
-        };
+        let hierarchy = hierarchy(&corners);
         Self { mesh: mesh.clone(), hierarchy, center, scale }
     }
 

@@ -48,7 +48,6 @@ pub(super) enum Choice {
 /// How reflected light of parents is scaled to that of their children.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum ReflectionRatios {
-    None,
     /// Towards it.
     Detailed,
     /// By eq. 4.34 as printed.
@@ -63,7 +62,8 @@ pub(super) struct CutSettings {
     pub(super) threshold_sine: f64,
     /// Whether parents are scaled to their children.
     pub(super) ratios: bool,
-    pub(super) reflection_ratios: ReflectionRatios,
+    /// Whether what they reflect is scaled too.
+    pub(super) reflection_ratios: Option<ReflectionRatios>,
     pub(super) bands: usize,
 }
 
@@ -305,7 +305,6 @@ impl Cuts {
             for (emitter, part) in parts(coarse, cut) {
                 if let Some(place) = place_of(cut, emitter) {
                     let ratio = match ratios {
-                        ReflectionRatios::None => 1.0,
                         ReflectionRatios::Detailed => detailed[place] / part,
                         ReflectionRatios::AsPrinted => part / detailed[place],
                     };

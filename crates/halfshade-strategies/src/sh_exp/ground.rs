@@ -18,16 +18,18 @@
 //! doesn't see itself or its like, which is right for a plane; of such an object that deforms the mesh at rest is seen. A
 //! sun below the ground still shines on objects.
 
-use super::crossings::{Crossing, Crossings};
+use super::{
+    crossings::{Crossing, Crossings},
+    directions::weighted_directions,
+};
 use glam::{DQuat, DVec3, Vec3};
-use halfshade_scene::{Frame, RadianceBuffer, ReceiverBuffer, Scene, light::DistantLight};
+use halfshade_scene::{Frame, RadianceBuffer, ReceiverBuffer, Scene, light::DistantLight, mesh};
 use halfshade_sh::{
     basis,
     kernel::{self, ShBatch},
     lat_long, zonal,
 };
 use rayon::prelude::*;
-use std::f64::consts::PI;
 use wide::f32x8;
 
 /// How far from the middle of an object's box the places around it are, in half extents.
@@ -84,16 +86,8 @@ impl Ground {
         if others.is_empty() {
             return None;
         }
-        let solid_angle = 4.0 * PI / directions as f64;
-        let directions: Vec<_> = spiral(directions)
-            .map(|direction| {
-                let values = basis::evaluate(bands, direction.to_array());
-                (direction, values.into_iter().map(|value| (solid_angle * value) as f32).collect())
-            })
-            .collect();
-        let cosine = (zonal::clamped_cosine(bands).iter().enumerate())
-            .map(|(l, a)| (a / PI * zonal::rotation_scale(l)) as f32)
-            .collect();
+        let directions: Vec<_> = weighted_directions(bands, directions).collect();
+        let cosine = zonal::reflectance(bands).into_iter().map(|value| value as f32).collect();
         Some(Self {
             bands,
             environment: (vec![Vec3::ZERO; directions.len()], DistantLight::Constant(Vec3::ZERO)),
@@ -186,10 +180,7 @@ impl Ground {
         visibility: &ShBatch<N>,
     ) -> [f32x8; 3] {
         let Some(field) = self.fields.get(object as usize).and_then(Option::as_ref) else { return [f32x8::ZERO; 3] };
-        let mut cosine = kernel::basis::<f32x8, N>(*normal);
-        for (i, value) in cosine.iter_mut().enumerate() {
-            *value *= f32x8::splat(self.cosine[i.isqrt()]);
-        }
+        let cosine = kernel::times_bands(&kernel::basis::<f32x8, N>(*normal), &self.cosine);
         let weights = kernel::product(&cosine, visibility);
         let offset: [f32x8; 3] = std::array::from_fn(|k| position[k] - f32x8::splat(field.center[k]));
         let along = field.axes.map(|axis| {
@@ -260,23 +251,9 @@ impl Ground {
     }
 }
 
-/// Even directions over the sphere: the golden spiral, about a level axis, so that no whole turn of it runs along a level
-/// horizon.
-pub(super) fn spiral(count: usize) -> impl Iterator<Item = DVec3> {
-    let golden = PI * (3.0 - 5.0_f64.sqrt());
-    (0..count).map(move |i| {
-        let x = 1.0 - (2.0 * i as f64 + 1.0) / count as f64;
-        let (sin, cos) = (golden * i as f64).sin_cos();
-        let ring = (1.0 - x * x).max(0.0).sqrt();
-        DVec3::new(x, ring * cos, ring * sin)
-    })
-}
-
 /// The middle of an object's box in world space, and [`AROUND`] times its half axes; none that is 0.
 fn box_of(frame: &Frame<'_>, object: usize) -> Option<(DVec3, [DVec3; 3])> {
-    let positions = frame.positions(object);
-    let first = *positions.first()?;
-    let (low, high) = positions.iter().fold((first, first), |(low, high), &p| (low.min(p), high.max(p)));
+    let (low, high) = mesh::bounds(frame.positions(object))?;
     let (low, high) = (low.as_dvec3(), high.as_dvec3());
     let pose = &frame.world_from_object[object];
     let (turn, scale) = (pose.rotation.as_dquat().normalize(), f64::from(pose.scale));
@@ -289,10 +266,7 @@ fn box_of(frame: &Frame<'_>, object: usize) -> Option<(DVec3, [DVec3; 3])> {
 /// Position and normal, in world space, of a point of an object at rest.
 fn surface_point(frame: &Frame<'_>, object: usize, crossing: &Crossing) -> (Vec3, Vec3) {
     let (mesh, pose) = (&frame.scene.objects[object].mesh, &frame.world_from_object[object]);
-    let corners = mesh.triangles[crossing.triangle].map(|vertex| vertex as usize);
-    let blend = |list: &[Vec3]| -> DVec3 {
-        corners.iter().zip(crossing.weights.to_array()).map(|(&vertex, weight)| weight * list[vertex].as_dvec3()).sum()
-    };
+    let blend = |list: &[Vec3]| mesh.interpolated(list, crossing.triangle, crossing.weights);
     let normal = blend(&mesh.normals).normalize_or(DVec3::Y).as_vec3();
     (pose.transform_point(blend(&mesh.positions).as_vec3()), pose.transform_direction(normal))
 }

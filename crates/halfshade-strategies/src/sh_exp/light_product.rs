@@ -16,7 +16,7 @@ use halfshade_scene::{
 };
 use halfshade_sh::{
     basis,
-    kernel::{LANES, ShBatch},
+    kernel::{self, LANES, ShBatch},
     window::Window,
     zonal,
 };
@@ -42,8 +42,8 @@ pub(super) struct LightProduct {
 
 impl LightProduct {
     pub(super) fn new(bands: usize, environment: &Environment, grid: OctahedralGrid, window: Window) -> Self {
-        let cosine = (zonal::clamped_cosine(bands).iter().enumerate())
-            .map(|(l, a)| (a / PI * zonal::rotation_scale(l) * window.factor(l, bands)) as f32)
+        let cosine = (zonal::reflectance(bands).into_iter().enumerate())
+            .map(|(l, value)| (value * window.factor(l, bands)) as f32)
             .collect();
         let mut product = Self {
             bands,
@@ -116,11 +116,8 @@ impl LightProduct {
     pub(super) fn dot<const N: usize>(&self, normal: &[f32x8; 3], visibility: &ShBatch<N>, clamp: bool) -> [f32x8; 3] {
         let mut radiance = match &self.base {
             DistantLight::Constant(radiance) => {
-                let at_normal = halfshade_sh::kernel::basis::<f32x8, N>(*normal);
-                let mut sum = f32x8::ZERO;
-                for (i, (value, visible)) in at_normal.iter().zip(visibility).enumerate() {
-                    sum = (*value * f32x8::splat(self.cosine[i.isqrt()])).mul_add(*visible, sum);
-                }
+                let at_normal = kernel::basis::<f32x8, N>(*normal);
+                let sum = kernel::dot(&kernel::times_bands(&at_normal, &self.cosine), visibility);
                 let share = if clamp { sum.max(f32x8::ZERO).min(f32x8::ONE) } else { sum };
                 radiance.to_array().map(|channel| share * f32x8::splat(channel))
             }

@@ -62,6 +62,7 @@
 mod blockers;
 mod crossings;
 mod cuts;
+mod directions;
 mod exposed;
 mod ground;
 mod levels;
@@ -212,9 +213,9 @@ impl Strategy for ShExp {
                 threshold_sine: params.float("cut-angle").to_radians().sin(),
                 ratios: params.choice("ratios") != "off",
                 reflection_ratios: match params.choice("ratios") {
-                    "on" => ReflectionRatios::Detailed,
-                    "printed" => ReflectionRatios::AsPrinted,
-                    _ => ReflectionRatios::None,
+                    "on" => Some(ReflectionRatios::Detailed),
+                    "printed" => Some(ReflectionRatios::AsPrinted),
+                    _ => None,
                 },
                 bands,
             },
@@ -343,9 +344,10 @@ impl Prepared {
         if let Some(ground) = &mut self.ground {
             ground.points = on_ground;
         }
-        if self.cuts.is_coarse() && self.cut_settings.reflection_ratios != ReflectionRatios::None {
+        if let Some(ratios) = self.cut_settings.reflection_ratios.filter(|_| self.cuts.is_coarse()) {
             let mut cuts = std::mem::take(&mut self.cuts);
-            let _: Option<()> = dispatch_bands!(self.bands, N => shade::scale_reflections::<N>(self, &mut cuts));
+            let _: Option<()> =
+                dispatch_bands!(self.bands, N => shade::scale_reflections::<N>(self, ratios, &mut cuts));
             self.cuts = cuts;
         }
     }

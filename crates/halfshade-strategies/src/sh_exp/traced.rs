@@ -14,12 +14,9 @@
 use super::{
     Prepared,
     blockers::{Blocker, Seen},
+    directions::weighted_directions,
 };
-use halfshade_sh::{
-    basis,
-    kernel::{self, ShBatch},
-};
-use std::f64::consts::PI;
+use halfshade_sh::kernel::{self, ShBatch};
 use wide::f32x8;
 
 /// Directions, and memory for one batch of receivers.
@@ -34,12 +31,8 @@ pub(super) struct Traced<const N: usize> {
 impl<const N: usize> Traced<N> {
     /// So many directions; `spheres` are seen at most.
     pub(super) fn new(count: usize, spheres: usize) -> Self {
-        let directions = super::ground::spiral(count)
-            .map(|direction| {
-                let weight = 4.0 * PI / count as f64;
-                let values = basis::evaluate(N.isqrt(), direction.to_array());
-                (direction.as_vec3().to_array(), std::array::from_fn(|i| (weight * values[i]) as f32))
-            })
+        let directions = weighted_directions(N.isqrt(), count)
+            .map(|(direction, values)| (direction.as_vec3().to_array(), std::array::from_fn(|i| values[i])))
             .collect();
         Self { directions, seen: Vec::with_capacity(spheres), parts: Vec::with_capacity(spheres) }
     }

@@ -40,7 +40,6 @@ pub(super) struct Field {
     pub(super) center: Vec3,
     /// Distance between shells.
     pub(super) spacing: f32,
-    count: usize,
     /// Coefficients per sample in memory: whole vector registers.
     stride: usize,
     /// What is visible from the centre.
@@ -129,11 +128,10 @@ impl Field {
                 None => Shell::store(grid, storage),
             })
             .collect();
-        let count = bands * bands;
-        let stride = count.next_multiple_of(8);
+        let stride = (bands * bands).next_multiple_of(8);
         let mut core = projected.core.clone();
         core.resize(stride, 0.0);
-        Self { center: projected.center, spacing: SPACING * projected.radius, count, stride, core, shells }
+        Self { center: projected.center, spacing: SPACING * projected.radius, stride, core, shells }
     }
 
     /// Memory that it takes.
@@ -168,7 +166,6 @@ impl Field {
             visibility[..self.stride].iter_mut().for_each(|value| *value *= left);
             visibility[0] += (1.0 - left) * halfshade_sh::kernel::FULL;
         }
-        debug_assert!(self.count <= self.stride);
     }
 }
 

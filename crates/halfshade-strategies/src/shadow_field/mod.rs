@@ -46,10 +46,7 @@ use halfshade_strategy::{
     Baked, Effect, Effects, Footprint, Info, Parameter, ParameterKind, Params, Strategy, StrategyError,
 };
 use own::{Kind, OwnOcclusion};
-use std::{
-    f64::consts::PI,
-    sync::{Arc, OnceLock},
-};
+use std::sync::{Arc, OnceLock};
 
 /// The strategy.
 #[derive(Debug, Clone, Default)]
@@ -162,9 +159,7 @@ impl Strategy for ShadowField {
             known.push((mesh.clone(), entity.clone()));
             entities.push(entity);
         }
-        let cosine = (zonal::clamped_cosine(bands).iter().enumerate())
-            .map(|(l, a)| (a / PI * zonal::rotation_scale(l)) as f32)
-            .collect();
+        let cosine = zonal::reflectance(bands).into_iter().map(|value| value as f32).collect();
         let mut first_vertices = Vec::new();
         let mut count = 0;
         for object in &scene.objects {

@@ -3,9 +3,9 @@
 use super::{PART, occlusion::Directions};
 use crate::triangle_rays::TriangleRays;
 use glam::Vec3;
-use halfshade_scene::Mesh;
+use halfshade_scene::{Mesh, mesh};
 use rayon::prelude::*;
-use std::{collections::HashMap, f32::consts::FRAC_1_PI};
+use std::{collections::HashMap, f32::consts::FRAC_1_PI, sync::Arc};
 
 /// How far rays start above the surface, in units of the traced space, of which the mesh fills 1024: 1e-5 of its extent.
 const LIFT: f32 = 1e-2;
@@ -16,7 +16,7 @@ pub(super) struct OwnOcclusion {
     pub(super) kind: Kind,
     count: usize,
     vectors: Vec<f32>,
-    positions: Vec<Vec3>,
+    mesh: Arc<Mesh>,
     nearest: Cells,
     /// Means of the vertices of each part; at least one.
     pub(super) part_centers: Vec<Vec3>,
@@ -61,30 +61,23 @@ impl OwnOcclusion {
     }
 
     /// Of a mesh, from its [`vectors`](Self::vectors) of `count` coefficients.
-    pub(super) fn new(mesh: &Mesh, kind: Kind, count: usize, vectors: Vec<f32>) -> Self {
+    pub(super) fn new(mesh: &Arc<Mesh>, kind: Kind, count: usize, vectors: Vec<f32>) -> Self {
         let mut part_centers: Vec<Vec3> =
             mesh.positions.chunks(PART).map(|part| part.iter().sum::<Vec3>() / part.len() as f32).collect();
         if part_centers.is_empty() {
             part_centers.push(Vec3::ZERO);
         }
-        Self {
-            kind,
-            count,
-            vectors,
-            positions: mesh.positions.clone(),
-            nearest: Cells::new(&mesh.positions),
-            part_centers,
-        }
+        Self { kind, count, vectors, mesh: mesh.clone(), nearest: Cells::new(&mesh.positions), part_centers }
     }
 
     /// The vector of the vertex at `point`, if `guess` is within `tolerance` of it; otherwise that of the nearest vertex, and
     /// `false`.
     pub(super) fn at(&self, guess: Option<usize>, point: Vec3, tolerance: f32) -> Option<(&[f32], bool)> {
         let is_there = |vertex: &usize| {
-            self.positions.get(*vertex).is_some_and(|place| place.distance_squared(point) <= tolerance * tolerance)
+            self.mesh.positions.get(*vertex).is_some_and(|place| place.distance_squared(point) <= tolerance * tolerance)
         };
         let guess = guess.filter(is_there);
-        let vertex = guess.or_else(|| self.nearest.find(&self.positions, point))?;
+        let vertex = guess.or_else(|| self.nearest.find(&self.mesh.positions, point))?;
         Some((&self.vectors[vertex * self.count..][..self.count], guess.is_some()))
     }
 
@@ -96,8 +89,7 @@ impl OwnOcclusion {
 
 impl Cells {
     fn new(positions: &[Vec3]) -> Self {
-        let low = positions.iter().copied().reduce(Vec3::min).unwrap_or(Vec3::ZERO);
-        let high = positions.iter().copied().reduce(Vec3::max).unwrap_or(Vec3::ZERO);
+        let (low, high) = mesh::bounds(positions).unwrap_or_default();
         // A surface fills about as many cells as the square of the number along a side.
         let size = (high - low).max_element() / (positions.len() as f32).sqrt().max(1.0);
         let mut cells = Self { size: if size > 0.0 { size } else { 1.0 }, vertices: HashMap::new() };

@@ -53,10 +53,10 @@ fn shade_part<const N: usize>(
     for start in range.clone().step_by(LANES) {
         let lanes = (range.end - start).min(LANES);
         let lane = |k: usize| start + k.min(lanes - 1);
-        let positions: [Vec3; LANES] =
-            std::array::from_fn(|k| prepared.point(receivers.position_at(lane(k)).as_dvec3()).into());
+        let positions: [[f32; 3]; LANES] =
+            std::array::from_fn(|k| prepared.point(receivers.position_at(lane(k)).as_dvec3()));
         let position: [f32x8; 3] = std::array::from_fn(|axis| f32x8::from(positions.map(|p| p[axis])));
-        let mut unit = own::<N>(prepared, object, receivers, &positions, lane);
+        let mut unit = own::<N>(prepared, object, receivers, &position, lane);
         let mut radiance = [f32x8::ZERO; 3];
         for entity in &prepared.orders[object][part] {
             match *entity {
@@ -87,15 +87,16 @@ fn own<const N: usize>(
     prepared: &Prepared,
     object: usize,
     receivers: Receivers<'_>,
-    positions: &[Vec3; LANES],
+    position: &[f32x8; 3],
     lane: impl Fn(usize) -> usize,
 ) -> ShBatch<N> {
     let (entity, place) = (&prepared.entities[object], &prepared.places[object]);
     let (middle, radius) = entity.field.as_ref().map_or((Vec3::ZERO, 0.0), |field| (field.center, 5.0 * field.spacing));
     let mut local = [[0.0_f32; LANES]; N];
     let mut known = [0.0_f32; LANES];
+    let points = in_object(place, position).map(f32x8::to_array);
     for k in 0..LANES {
-        let in_object = in_object(place, positions[k]) + middle;
+        let in_object = Vec3::from(points.map(|axis| axis[k])) + middle;
         let guess = receivers.index[lane(k)].checked_sub(prepared.first_vertices[object]).map(|v| v as usize);
         if let Some((vector, is_vertex)) = entity.own.at(guess, in_object, SAME_PLACE * radius) {
             local.iter_mut().zip(vector).for_each(|(row, &value)| row[k] = value);
@@ -105,10 +106,8 @@ fn own<const N: usize>(
     let vector = turned(&local.map(f32x8::from), &place.rotation);
     let normals: [Vec3; LANES] =
         std::array::from_fn(|k| (prepared.light_from_world * receivers.normal_at(lane(k)).as_dvec3()).as_vec3());
-    let mut cosine = kernel::basis::<f32x8, N>(std::array::from_fn(|axis| f32x8::from(normals.map(|n| n[axis]))));
-    for (i, value) in cosine.iter_mut().enumerate() {
-        *value *= f32x8::splat(prepared.cosine[i.isqrt()]);
-    }
+    let basis = kernel::basis::<f32x8, N>(std::array::from_fn(|axis| f32x8::from(normals.map(|n| n[axis]))));
+    let cosine = kernel::times_bands(&basis, &prepared.cosine);
     let unit = match entity.own.kind {
         Kind::Visibility => kernel::product(&vector, &cosine),
         Kind::Transfer => vector,
@@ -117,20 +116,20 @@ fn own<const N: usize>(
     std::array::from_fn(|i| known.select(unit[i], cosine[i]))
 }
 
-/// A point of light space relative to the object's field, in the object's space.
-fn in_object(place: &Place, position: Vec3) -> Vec3 {
-    let offset = position - Vec3::from(place.field_center);
-    Vec3::from(place.object_from_light.map(|row| place.inverse_scale * Vec3::from(row).dot(offset)))
+/// Eight points of light space relative to the object's field, in the object's space.
+#[inline(always)]
+fn in_object(place: &Place, position: &[f32x8; 3]) -> [f32x8; 3] {
+    let offset: [f32x8; 3] = std::array::from_fn(|axis| position[axis] - f32x8::splat(place.field_center[axis]));
+    place.object_from_light.map(|row| {
+        let [a, b, c] = row.map(f32x8::splat);
+        a.mul_add(offset[0], b.mul_add(offset[1], c * offset[2])) * f32x8::splat(place.inverse_scale)
+    })
 }
 
 /// What an object leaves visible of eight places, in light space.
 #[inline(never)]
 fn occlusion<const N: usize>(field: &Field, place: &Place, position: &[f32x8; 3]) -> ShBatch<N> {
-    let offset: [f32x8; 3] = std::array::from_fn(|axis| position[axis] - f32x8::splat(place.field_center[axis]));
-    let [x, y, z] = place.object_from_light.map(|row| {
-        let [a, b, c] = row.map(f32x8::splat);
-        a.mul_add(offset[0], b.mul_add(offset[1], c * offset[2])) * f32x8::splat(place.inverse_scale)
-    });
+    let [x, y, z] = in_object(place, position);
     let distance = (x * x + y * y + z * z).sqrt();
     let cosine = y / distance.fast_max(f32x8::splat(f32::MIN_POSITIVE));
     let polar = cosine.fast_max(-f32x8::ONE).fast_min(f32x8::ONE).acos();

@@ -118,15 +118,13 @@ pub(super) fn place(
     emitter_of_point.clear();
     for (emitter, (surface, &object)) in surfaces.iter().zip(owners).enumerate() {
         let number = object as usize;
-        let (pose, triangles) = (&frame.world_from_object[number], &frame.scene.objects[number].mesh.triangles);
+        let (pose, mesh) = (&frame.world_from_object[number], &frame.scene.objects[number].mesh);
         let (positions, normals) = (frame.positions(number), frame.normals(number));
         emitter_of_point.extend(surface.samples.iter().map(|_| emitter as u32));
-        for (triangle, weights) in &surface.samples {
-            let corners = triangles[*triangle as usize].map(|vertex| vertex as usize);
-            let blend = |list: &[Vec3]| -> Vec3 {
-                corners.iter().zip(weights.to_array()).map(|(&vertex, weight)| weight * list[vertex]).sum()
-            };
-            let normal = blend(normals).normalize_or(normals[corners[0]]);
+        for &(triangle, weights) in &surface.samples {
+            let triangle = triangle as usize;
+            let blend = |list: &[Vec3]| mesh.interpolated(list, triangle, weights.as_dvec3()).as_vec3();
+            let normal = blend(normals).normalize_or(normals[mesh.triangles[triangle][0] as usize]);
             points.push(pose.transform_point(blend(positions)), pose.transform_direction(normal), Vec3::ONE, object);
         }
     }

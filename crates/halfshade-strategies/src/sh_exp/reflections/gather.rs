@@ -15,7 +15,7 @@
 
 use super::Reflections;
 use crate::sh_exp::{Prepared, blockers::Blocker, traced::Traced};
-use halfshade_sh::kernel::{self, BatchExponential, LANES, ShBatch};
+use halfshade_sh::kernel::{self, BatchExponential, LANES, ShBatch, times_bands};
 use wide::f32x8;
 
 /// In which order spheres cover each other.
@@ -324,17 +324,6 @@ impl Reflections {
     fn brdf<const N: usize>(&self, normal: &[f32x8; 3]) -> ShBatch<N> {
         times_bands(&kernel::basis::<f32x8, N>(*normal), &self.cosine)
     }
-}
-
-/// Each band of a vector times that band's factor.
-#[inline(always)]
-fn times_bands<const N: usize, F: Copy + Into<f32x8>>(vector: &ShBatch<N>, factors: &[F]) -> ShBatch<N> {
-    let mut product = *vector;
-    for l in 0..const { N.isqrt() } {
-        let factor: f32x8 = factors[l].into();
-        product[l * l..(l + 1) * (l + 1)].iter_mut().for_each(|value| *value *= factor);
-    }
-    product
 }
 
 fn plus<const N: usize>(a: &ShBatch<N>, b: &ShBatch<N>) -> ShBatch<N> {

@@ -22,7 +22,7 @@ use halfshade_sh::{
     zonal,
 };
 use halfshade_strategy::{Effect, Effects, Params};
-use std::{f64::consts::PI, sync::Arc};
+use std::sync::Arc;
 use surface::{Covered, Projection, SphereSurface};
 
 pub(super) use gather::Gather;
@@ -115,9 +115,7 @@ impl Reflections {
             surfaces.extend(own.iter().cloned());
             known.push((object, own));
         }
-        let cosine = (zonal::clamped_cosine(bands).iter().enumerate())
-            .map(|(l, a)| (a / PI * zonal::rotation_scale(l)) as f32)
-            .collect();
+        let cosine = zonal::reflectance(bands).into_iter().map(|value| value as f32).collect();
         Self {
             bounces,
             bands,

@@ -106,9 +106,8 @@ pub(super) fn surfaces(
         best
     };
     let has_normal = |crossing: &Crossing| {
-        let corners = object.mesh.triangles[crossing.triangle].map(|v| object.mesh.normals[v as usize].as_dvec3());
-        let blend: DVec3 = corners.into_iter().zip(crossing.weights.to_array()).map(|(n, w)| w * n).sum();
-        blend.try_normalize().is_some()
+        let normal = object.mesh.interpolated(&object.mesh.normals, crossing.triangle, crossing.weights);
+        normal.try_normalize().is_some()
     };
     let count = bands * bands;
     (0..spheres.len())
