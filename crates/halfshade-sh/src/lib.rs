@@ -1,4 +1,4 @@
-//! Spherical and zonal harmonics: an f64 reference path beside batched f32 kernels.
+//! Spherical and zonal harmonics, Haar wavelets: an f64 reference path beside batched f32 kernels.
 //!
 //! Mathematics only: no scene, no light, no renderer. Directions are `[x, y, z]` of unit length; the polar axis of the
 //! basis is +z; `n` bands have `n²` coefficients, index `l(l+1) + m`, with the Condon-Shortley factor inside
@@ -13,13 +13,16 @@
 //! From light: [`lat_long`] projects images, [`quadrature`] functions; [`rotation`] turns SH vectors; [`window`] tames
 //! ringing. [`form_factor`] averages what a receiver sees of a sphere that shines.
 //!
-//! Everything above is f64, for any number of bands, and plain. [`kernel`] holds its f32 twins for 1 to 8 bands, eight
+//! [`haar`] is the other basis, for edges: wavelets on the faces of a cube.
+//!
+//! All that deals with spherical harmonics above is f64, for any number of bands, and plain. [`kernel`] holds its f32 twins for 1 to 8 bands, eight
 //! vectors side by side, tested against it.
 
 pub mod basis;
 pub mod blocker_table;
 pub mod exponential;
 pub mod form_factor;
+pub mod haar;
 pub mod kernel;
 pub mod lat_long;
 pub mod logarithm;
