@@ -6,6 +6,8 @@ pub trait Progress: Sync {
     fn start(&self, label: &str, total: u64);
     /// `steps` more steps of the current stage are done.
     fn advance(&self, steps: u64);
+    /// A sentence for the user, such as of a cache entry that was refused.
+    fn note(&self, _text: &str) {}
 }
 
 /// Nobody listens.

@@ -62,3 +62,15 @@ contract_tests!(
     "shells=8,resolution=8,map=32,sampling=fixed,storage=f32,own=projected,bands=3",
     FIELDS
 );
+
+/// Texels of 11 degrees: the sun is as large as one, and a turned cube is looked up.
+const TEXELS: Bounds = Bounds { constant: 0.02, quadrature: 0.5, rotation: 0.1, brightening: 0.0 };
+
+contract_tests!(shadow_field_haar, ShadowField::default(), "basis=haar,face=16,shells=8,resolution=8,kept=0.1", TEXELS);
+contract_tests!(
+    shadow_field_haar_by_wavelets,
+    ShadowField::default(),
+    "basis=haar,face=8,shells=8,resolution=8,kept=0.1,product=wavelets,sampling=adaptive-shells",
+    // Nothing holds what is hidden within [0, 1].
+    Bounds { brightening: 0.02, ..TEXELS }
+);

@@ -7,4 +7,4 @@ pub mod strategy;
 
 pub use effects::{Effect, Effects};
 pub use params::{Parameter, ParameterKind, Params, SpecError, Value};
-pub use strategy::{Baked, Footprint, Info, Strategy, StrategyError};
+pub use strategy::{Baked, Detail, Footprint, Info, Strategy, StrategyError};

@@ -44,6 +44,12 @@ pub trait Baked: Send + Sync {
     /// Bytes held, by part.
     fn footprint(&self) -> Footprint;
 
+    /// Figures on what was baked that only this strategy has, such as the resolution it chose; found when asked for, off
+    /// every clock.
+    fn details(&self) -> Vec<Detail> {
+        Vec::new()
+    }
+
     /// Once per frame: poses, lights. Calling it twice with the same frame changes nothing.
     fn prepare(&mut self, frame: &Frame<'_>) -> Result<(), StrategyError>;
 
@@ -51,6 +57,15 @@ pub trait Baked: Send + Sync {
     /// `albedo/π · ∫ L V max(n·ω, 0) dω`. Called from many threads at once on parts of the receivers; how they are split
     /// must change no bit. Allocates nothing per receiver.
     fn shade(&self, receivers: Receivers<'_>, out: RadianceMut<'_>);
+}
+
+/// A list of figures under a name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Detail {
+    /// What they are.
+    pub name: String,
+    /// The figures, in an order that the name tells.
+    pub values: Vec<f64>,
 }
 
 /// Bytes by part.

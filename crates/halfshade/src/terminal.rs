@@ -33,15 +33,6 @@ impl Bars {
     pub(crate) fn new() -> Self {
         Self(Mutex::new(ProgressBar::hidden()))
     }
-
-    /// A sentence for the user, above the bar if there is one.
-    pub(crate) fn note(&self, text: &str) {
-        if let Ok(bar) = self.0.lock() {
-            bar.suspend(|| {
-                let _ = writeln!(std::io::stderr(), "note: {text}");
-            });
-        }
-    }
 }
 
 impl Progress for Bars {
@@ -61,6 +52,15 @@ impl Progress for Bars {
     fn advance(&self, steps: u64) {
         if let Ok(bar) = self.0.lock() {
             bar.inc(steps);
+        }
+    }
+
+    /// Above the bar, if there is one.
+    fn note(&self, text: &str) {
+        if let Ok(bar) = self.0.lock() {
+            bar.suspend(|| {
+                let _ = writeln!(std::io::stderr(), "note: {text}");
+            });
         }
     }
 }

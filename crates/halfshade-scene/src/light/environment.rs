@@ -63,6 +63,11 @@ impl Environment {
         Self { base: DistantLight::Map(Arc::new(map)), sun: None }
     }
 
+    /// Whether both give the same radiance from everywhere (see [`DistantLight::is_same_as`]).
+    pub fn is_same_as(&self, other: &Self) -> bool {
+        self.sun == other.sun && self.base.is_same_as(&other.base)
+    }
+
     /// The same light, `factor` times as strong.
     pub fn scaled(&self, factor: f32) -> Self {
         let base = match &self.base {

@@ -1,49 +1,20 @@
-//! Adaptive sampling of a shell [Tamura2006, 4]: fewer points, as long as those there were are still known well enough.
+//! Adaptive sampling [Tamura2006, 4]: fewer points on a shell, and fewer shells, as long as those there were are still
+//! known well enough.
 
-use super::field::{Grid, four_nearest};
-use halfshade_sh::{basis, quadrature::SphereQuadrature};
-
-/// Basis functions at the points of a quadrature, for integrals of absolute values.
-pub(super) struct AbsoluteMean {
-    /// Weight over 4π, and the basis there.
-    points: Vec<(f32, Vec<f32>)>,
-}
-
-impl AbsoluteMean {
-    pub(super) fn new(bands: usize) -> Self {
-        // Absolute values are no polynomials: a rule for twice the degree of a product errs by a few hundredths of them.
-        let points = SphereQuadrature::exact_to(4 * bands)
-            .points()
-            .map(|(direction, weight)| {
-                let values = basis::evaluate(bands, direction).into_iter().map(|y| y as f32).collect();
-                ((weight / (4.0 * std::f64::consts::PI)) as f32, values)
-            })
-            .collect();
-        Self { points }
-    }
-
-    /// `1/4π ∫ |Σ_g (a_g - b_g) Ψ_g(ω)| dω` [Tamura2006, eq. 1].
-    fn difference(&self, a: &[f32], b: &[f32]) -> f64 {
-        let at = |(weight, values): &(f32, Vec<f32>)| {
-            let difference: f32 = values.iter().zip(a.iter().zip(b)).map(|(y, (a, b))| y * (a - b)).sum();
-            f64::from(weight * difference.abs())
-        };
-        self.points.iter().map(at).sum()
-    }
-}
+use super::{
+    basis::Basis,
+    shells::{Grid, place},
+};
+use rayon::prelude::*;
 
 /// The coarsest of the halved grids that still gives every vector of `samples` within `threshold`.
 ///
 /// Every halving is made from the grid before it, and tested against all original samples.
-pub(super) fn thinned(samples: Grid, threshold: f64, mean: &AbsoluteMean) -> Grid {
+pub(super) fn thinned<B: Basis>(basis: &B, samples: &Grid<B::Vector>, threshold: f64) -> Grid<B::Vector> {
     let mut best = samples.clone();
     while best.resolution > 1 {
-        let half = halved(&best);
-        let close = |place: usize| {
-            let [u, v] = samples.place(place);
-            mean.difference(&half.at(u, v), samples.vector(place)) < threshold
-        };
-        if !(0..samples.resolution * samples.resolution).all(close) {
+        let half = halved(basis, &best);
+        if !all_close(basis, samples, threshold, |place| half.at(basis, place)) {
             break;
         }
         best = half;
@@ -52,72 +23,102 @@ pub(super) fn thinned(samples: Grid, threshold: f64, mean: &AbsoluteMean) -> Gri
 }
 
 /// Half the resolution; each new point is the mean of the four old ones around it.
-fn halved(grid: &Grid) -> Grid {
+fn halved<B: Basis>(basis: &B, grid: &Grid<B::Vector>) -> Grid<B::Vector> {
     let resolution = grid.resolution / 2;
-    let mut half = Grid { resolution, count: grid.count, values: Vec::new() };
-    for place in 0..resolution * resolution {
-        let [u, v] = half.place(place);
-        half.values.extend(grid.at(u, v));
-    }
-    half
+    let samples =
+        (0..resolution * resolution).into_par_iter().map(|number| grid.at(basis, place(resolution, number))).collect();
+    Grid { resolution, samples }
 }
 
-impl Grid {
-    /// Share of the whole in longitude and latitude at which a point lies.
-    pub(super) fn place(&self, place: usize) -> [f32; 2] {
-        let share = |i: usize| (i as f32 + 0.5) / self.resolution as f32;
-        [share(place % self.resolution), share(place / self.resolution)]
-    }
+/// Whether `found` gives every sample within `threshold`.
+fn all_close<B: Basis>(
+    basis: &B,
+    samples: &Grid<B::Vector>,
+    threshold: f64,
+    found: impl Fn([f32; 2]) -> B::Vector + Sync,
+) -> bool {
+    (samples.samples.par_iter().enumerate())
+        .all(|(number, vector)| basis.difference(&found(place(samples.resolution, number)), vector) < threshold)
+}
 
-    pub(super) fn vector(&self, place: usize) -> &[f32] {
-        &self.values[place * self.count..][..self.count]
-    }
-
-    /// The interpolated vector.
-    pub(super) fn at(&self, u: f32, v: f32) -> Vec<f32> {
-        let mut sum = vec![0.0; self.count];
-        let (places, weights) = four_nearest(self.resolution, u, v);
-        for (place, weight) in places.into_iter().zip(weights) {
-            sum.iter_mut().zip(self.vector(place)).for_each(|(sum, value)| *sum += weight * value);
+/// Numbers of the shells to keep, from inside out, so that all samples of those between are still within `threshold`
+/// when found between their neighbours, which are `thinned`. The paper names this as future work [Tamura2006, 7].
+///
+/// From each shell that is kept to the farthest that will do as the next one; the first and the last are always kept.
+pub(super) fn kept_shells<B: Basis>(
+    basis: &B,
+    (radii, samples): (&[f32], &[Grid<B::Vector>]),
+    thinned: &[Grid<B::Vector>],
+    threshold: f64,
+) -> Vec<usize> {
+    let between = |inner: usize, outer: usize, number: usize| {
+        let share = (radii[number] - radii[inner]) / (radii[outer] - radii[inner]);
+        all_close(basis, &samples[number], threshold, |place| {
+            let (a, b) = (thinned[inner].at(basis, place), thinned[outer].at(basis, place));
+            basis.mix(&[(&a, 1.0 - share), (&b, share)])
+        })
+    };
+    let mut kept = vec![0];
+    let mut inner = 0;
+    while inner + 1 < samples.len() {
+        let mut outer = inner + 1;
+        while outer + 1 < samples.len() && (inner + 1..=outer).all(|number| between(inner, outer + 1, number)) {
+            outer += 1;
         }
-        sum
+        kept.push(outer);
+        inner = outer;
     }
+    kept
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::{basis::Ball, sh};
     use super::*;
+    use crate::triangle_rays::TriangleRays;
+    use glam::Vec3;
     use std::f32::consts::{PI, TAU};
 
     /// A smooth function of the place, times one basis function.
-    fn wave(resolution: usize, cycles: f32) -> Grid {
-        let mut grid = Grid { resolution, count: 4, values: Vec::new() };
-        for place in 0..resolution * resolution {
-            let [u, v] = grid.place(place);
-            let value = (PI * v).sin() * (cycles * TAU * u).cos();
-            grid.values.extend([0.0, value, 0.0, 0.0]);
-        }
-        grid
+    fn wave(resolution: usize, cycles: f32, scale: f32) -> Grid<Vec<f32>> {
+        let value = |number| {
+            let [u, v] = place(resolution, number);
+            vec![0.0, scale * (PI * v).sin() * (cycles * TAU * u).cos(), 0.0, 0.0]
+        };
+        Grid { resolution, samples: (0..resolution * resolution).map(value).collect() }
     }
 
     #[test]
     fn a_constant_collapses_and_a_wave_keeps_what_it_needs() {
-        let mean = AbsoluteMean::new(2);
-        let flat = Grid { resolution: 32, count: 4, values: [1.0, -2.0, 0.5, 0.0].repeat(32 * 32) };
-        assert_eq!(thinned(flat.clone(), 1e-4, &mean).resolution, 1);
-        assert_eq!(thinned(flat, 0.0, &mean).resolution, 32);
-        let resolutions = [1.0, 4.0].map(|cycles| thinned(wave(64, cycles), 0.01, &mean).resolution);
+        let basis = sh::basis(2, 8);
+        let flat = Grid { resolution: 32, samples: vec![vec![1.0, -2.0, 0.5, 0.0]; 32 * 32] };
+        assert_eq!(thinned(&basis, &flat, 1e-4).resolution, 1);
+        assert_eq!(thinned(&basis, &flat, 0.0).resolution, 32);
+        let resolutions = [1.0, 4.0].map(|cycles| thinned(&basis, &wave(64, cycles, 1.0), 0.01).resolution);
         assert!(resolutions[0] >= 8 && resolutions[0] < resolutions[1] && resolutions[1] <= 64, "{resolutions:?}");
-        assert_eq!(thinned(wave(64, 4.0), 100.0, &mean).resolution, 1);
+        assert_eq!(thinned(&basis, &wave(64, 4.0, 1.0), 100.0).resolution, 1);
     }
 
-    /// The mean of |y_1,0| over the sphere is sqrt(3/4π)/2.
     #[test]
-    fn the_mean_of_an_absolute_value() {
-        let mean = AbsoluteMean::new(4);
-        let mut z = vec![0.0; 16];
-        z[2] = 1.0;
-        let expected = (3.0 / (4.0 * std::f64::consts::PI)).sqrt() * 0.5;
-        assert!((mean.difference(&z, &[0.0; 16]) / expected - 1.0).abs() < 0.02);
+    fn shells_between_which_all_is_linear_are_dropped() {
+        let basis = sh::basis(2, 8);
+        let radii: Vec<f32> = (0..9).map(|i| i as f32).collect();
+        // Linear to the fifth shell, then a bend at it.
+        let bend = |radius: f32| if radius <= 5.0 { radius } else { 5.0 - 3.0 * (radius - 5.0) };
+        let samples: Vec<_> = radii.iter().map(|&radius| wave(8, 1.0, bend(radius))).collect();
+        let kept = |threshold| kept_shells(&basis, (&radii, &samples), &samples, threshold);
+        assert_eq!(kept(1e-3), [0, 5, 8]);
+        assert_eq!(kept(0.0), (0..9).collect::<Vec<_>>());
+        assert_eq!(kept(1e3), [0, 8]);
+    }
+
+    /// A ball of rays that hides nothing is one point on one shell.
+    #[test]
+    fn nothing_is_one_point() {
+        let basis = sh::basis(4, 8);
+        let nothing = TriangleRays::new(Vec::new());
+        let ball = Ball { center: Vec3::ZERO, radius: 1.0 };
+        let grid = Grid { resolution: 4, samples: vec![basis.blocked_from(&nothing, Vec3::X, ball); 16] };
+        assert_eq!(thinned(&basis, &grid, 1e-6).resolution, 1);
     }
 }

@@ -1,35 +1,54 @@
-//! What an object hides from its own vertices [Tamura2006, 3.1].
+//! The vertices of an object: what it hides from them itself, and the way from a receiver to its vertex.
 
-use super::{PART, occlusion::Directions};
+use super::{
+    PART,
+    basis::{Basis, rays},
+};
 use crate::triangle_rays::TriangleRays;
 use glam::Vec3;
 use halfshade_scene::{Mesh, mesh};
 use rayon::prelude::*;
-use std::{collections::HashMap, f32::consts::FRAC_1_PI, sync::Arc};
+use std::{collections::HashMap, sync::Arc};
 
 /// How far rays start above the surface, in units of the traced space, of which the mesh fills 1024: 1e-5 of its extent.
 const LIFT: f32 = 1e-2;
 
-/// What is known at every vertex, in the object's space.
+/// Rays from a mesh's own surface.
+pub(super) struct OwnRays {
+    rays: TriangleRays,
+    lift: f32,
+}
+
+impl OwnRays {
+    pub(super) fn new(mesh: &Mesh) -> Self {
+        let rays = rays(mesh);
+        let lift = LIFT + 2.0 * rays.coarseness();
+        Self { rays, lift }
+    }
+
+    /// Whether the mesh hides `direction` from a point of its surface. Below the tangent plane nothing is asked.
+    pub(super) fn blocked(&self, position: Vec3, normal: Vec3, direction: Vec3) -> bool {
+        direction.dot(normal) > 0.0 && self.rays.blocked(position, self.lift * normal, direction, f32::INFINITY)
+    }
+}
+
+/// Per vertex what its own mesh hides: O_v [Tamura2006, figure 3], as what is blocked.
+pub(super) fn own_blocked<B: Basis>(basis: &B, mesh: &Mesh) -> Vec<B::Vector> {
+    let rays = OwnRays::new(mesh);
+    (mesh.positions.par_iter().zip(&mesh.normals))
+        .map(|(&position, &normal)| {
+            basis.project(&|direction| f32::from(u8::from(rays.blocked(position, normal, direction))))
+        })
+        .collect()
+}
+
+/// The vertices of a mesh.
 #[derive(Debug)]
-pub(super) struct OwnOcclusion {
-    pub(super) kind: Kind,
-    count: usize,
-    vectors: Vec<f32>,
+pub(super) struct Vertices {
     mesh: Arc<Mesh>,
     nearest: Cells,
     /// Means of the vertices of each part; at least one.
     pub(super) part_centers: Vec<Vec3>,
-}
-
-/// What vectors are kept.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
-    /// O_v, the visibility that the object leaves above the vertex, to be multiplied with ρ̂ when shading
-    /// [Tamura2006, figure 3].
-    Visibility,
-    /// Visibility times the cosine over π, projected as it is; for receivers that are vertices.
-    Transfer,
 }
 
 /// Vertices by cells of a grid, for points between them.
@@ -39,51 +58,28 @@ struct Cells {
     vertices: HashMap<[i32; 3], Vec<u32>>,
 }
 
-impl OwnOcclusion {
-    /// The vectors of all vertices, one after another.
-    pub(super) fn vectors(mesh: &Mesh, rays: &TriangleRays, directions: &Directions, kind: Kind) -> Vec<f32> {
-        let lift = LIFT + 2.0 * rays.coarseness();
-        let vectors: Vec<Vec<f32>> = (mesh.positions.par_iter().zip(&mesh.normals))
-            .map(|(&position, &normal)| {
-                let blocked = |cell: usize| {
-                    let direction = directions.cells[cell].0;
-                    direction.dot(normal) > 0.0 && rays.blocked(position, lift * normal, direction, f32::INFINITY)
-                };
-                match kind {
-                    Kind::Visibility => directions.visibility(blocked),
-                    Kind::Transfer => {
-                        directions.weighted(|direction| FRAC_1_PI * direction.dot(normal).max(0.0), blocked)
-                    }
-                }
-            })
-            .collect();
-        vectors.concat()
-    }
-
-    /// Of a mesh, from its [`vectors`](Self::vectors) of `count` coefficients.
-    pub(super) fn new(mesh: &Arc<Mesh>, kind: Kind, count: usize, vectors: Vec<f32>) -> Self {
+impl Vertices {
+    pub(super) fn new(mesh: &Arc<Mesh>) -> Self {
         let mut part_centers: Vec<Vec3> =
             mesh.positions.chunks(PART).map(|part| part.iter().sum::<Vec3>() / part.len() as f32).collect();
         if part_centers.is_empty() {
             part_centers.push(Vec3::ZERO);
         }
-        Self { kind, count, vectors, mesh: mesh.clone(), nearest: Cells::new(&mesh.positions), part_centers }
+        Self { mesh: mesh.clone(), nearest: Cells::new(&mesh.positions), part_centers }
     }
 
-    /// The vector of the vertex at `point`, if `guess` is within `tolerance` of it; otherwise that of the nearest vertex, and
-    /// `false`.
-    pub(super) fn at(&self, guess: Option<usize>, point: Vec3, tolerance: f32) -> Option<(&[f32], bool)> {
+    pub(super) fn mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+
+    /// The vertex at `point`, if `guess` is within `tolerance` of it; otherwise the nearest, and `false`.
+    pub(super) fn find(&self, guess: Option<usize>, point: Vec3, tolerance: f32) -> Option<(usize, bool)> {
         let is_there = |vertex: &usize| {
             self.mesh.positions.get(*vertex).is_some_and(|place| place.distance_squared(point) <= tolerance * tolerance)
         };
         let guess = guess.filter(is_there);
         let vertex = guess.or_else(|| self.nearest.find(&self.mesh.positions, point))?;
-        Some((&self.vectors[vertex * self.count..][..self.count], guess.is_some()))
-    }
-
-    /// Memory that it takes.
-    pub(super) fn bytes(&self) -> usize {
-        size_of_val(self.vectors.as_slice())
+        Some((vertex, guess.is_some()))
     }
 }
 

@@ -1,0 +1,67 @@
+//! What is told of fields: chosen resolution, interpolation error, bytes.
+
+use super::{
+    arrangement::Arrangement,
+    basis::{Ball, Basis, Shell, VectorOf, rays},
+    field::{Field, SPACING},
+    shells::direction,
+};
+use halfshade_scene::Mesh;
+use halfshade_strategy::Detail;
+use rayon::prelude::*;
+use std::{f32::consts::FRAC_1_PI, sync::Arc};
+
+/// What is known of meshes, each once, with the number of the first object that has it.
+pub(super) fn distinct<K>(known: &[Arc<K>]) -> impl Iterator<Item = (usize, &K)> {
+    (known.iter().enumerate())
+        .filter(|(number, one)| !known[..*number].iter().any(|other| Arc::ptr_eq(other, one)))
+        .map(|(number, one)| (number, &**one))
+}
+
+/// Per mesh, named by its first object. `read` gives the vector at a distance in radii and a place.
+pub(super) fn details<K, S: Shell>(
+    basis: &S::Basis,
+    arrangement: &Arrangement,
+    known: &[Arc<K>],
+    field: impl Fn(&K) -> Option<&Field<S>>,
+    read: impl Fn(&Field<S>, f32, [f32; 2]) -> VectorOf<S> + Sync,
+) -> Vec<Detail> {
+    let mut details = Vec::new();
+    for (number, one) in distinct(known) {
+        let Some(field) = field(one) else { continue };
+        let (name, mesh) = arrangement.object(number);
+        let mut add = |what: &str, values| details.push(Detail { name: format!("{name}: {what}"), values });
+        add("resolution by shell", field.resolutions().into_iter().map(|x| x as f64).collect());
+        let errors = interpolation_errors(field, basis, mesh, |distance, place| read(field, distance, place));
+        add("mean interpolation error by shell", errors);
+        add("field bytes", vec![field.bytes() as f64]);
+    }
+    details
+}
+
+/// The mean over points between sample points of how far a field is from what is projected there, by shell: as
+/// equation 1 measures it, at `POINTS` places halfway to the next shell inward.
+fn interpolation_errors<S: Shell>(
+    field: &Field<S>,
+    basis: &S::Basis,
+    mesh: &Mesh,
+    read: impl Fn(f32, [f32; 2]) -> VectorOf<S> + Sync,
+) -> Vec<f64> {
+    const POINTS: usize = 64;
+    let rays = rays(mesh);
+    let ball = Ball { center: field.center, radius: field.radius };
+    (0..field.sampled)
+        .into_par_iter()
+        .map(|shell| {
+            let radius = SPACING * (shell as f32 + 0.5);
+            let error = |number: usize| {
+                // A spiral of equal areas.
+                let (u, z) = (0.618_034 * number as f32 % 1.0, 1.0 - (2.0 * number as f32 + 1.0) / POINTS as f32);
+                let place = [u, z.acos() * FRAC_1_PI];
+                let exact = basis.blocked_from(&rays, ball.center + radius * ball.radius * direction(place), ball);
+                basis.difference(&read(radius, place), &exact)
+            };
+            (0..POINTS).map(error).sum::<f64>() / POINTS as f64
+        })
+        .collect()
+}

@@ -1,0 +1,140 @@
+//! Fields of Haar wavelets: shadows with edges, from many numbers of which most are nothing.
+//!
+//! What is hidden is kept as few wavelets on the faces of a cube; to be multiplied it becomes texels again. The product of
+//! texels, one by one, is the wavelet triple product exactly (see `halfshade_sh::haar::product`), and texels can be
+//! looked up in a cube that is turned, which wavelets can't.
+
+mod light;
+mod projection;
+mod rows;
+mod shade;
+mod shell;
+mod sparse;
+mod turn;
+
+use super::{
+    arrangement::Arrangement,
+    baking::Baking,
+    basis::rays,
+    details::{details, distinct},
+    field::{Field, Projected, ball},
+    vertices::own_blocked,
+};
+use halfshade_scene::{Environment, Frame, Progress, RadianceMut, Receivers, Scene};
+use halfshade_strategy::{Baked, Detail, Footprint, Params, StrategyError};
+use projection::HaarBasis;
+use rayon::prelude::*;
+use rows::{Rows, Sum};
+use shell::HaarShell;
+use sparse::Sparse;
+use std::sync::Arc;
+use turn::Turn;
+
+/// How visibilities are multiplied.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Product {
+    /// Texel by texel; what is hidden is held within [0, 1] on the way.
+    Texels,
+    /// The triple product of wavelets.
+    Wavelets,
+}
+
+/// What is known of one mesh.
+#[derive(Debug)]
+struct Known {
+    field: Option<Field<HaarShell>>,
+    /// Per vertex.
+    own: Rows,
+}
+
+/// Fields of the scene, light and places of the frame.
+struct HaarFields {
+    basis: HaarBasis,
+    product: Product,
+    /// Of the texels: x, y, z.
+    directions: [Vec<f32>; 3],
+    /// Per object.
+    known: Vec<Arc<Known>>,
+    /// Radiance times solid angle per texel: red, green, blue; and what it is of.
+    light: [Vec<f32>; 3],
+    known_light: Option<Environment>,
+    arrangement: Arrangement,
+    /// Per object.
+    turns: Vec<Turn>,
+}
+
+/// Fields for every mesh of the scene.
+pub(super) fn bake(
+    baking: &Baking<'_>,
+    scene: &Scene,
+    params: &Params,
+    progress: &dyn Progress,
+) -> Result<Box<dyn Baked>, StrategyError> {
+    let (face, kept) = ((params.integer("face") as usize).next_power_of_two(), params.float("kept"));
+    let basis = HaarBasis::new(face, kept);
+    let (known, arrangement) = baking.every_mesh(scene, progress, |mesh| {
+        let key = |kind| baking.key(kind, mesh).value(&(face, kept, baking.storage));
+        let sampling = (baking.shells, baking.resolution);
+        let field = match ball(mesh) {
+            Some(ball) => {
+                // As stored: what is projected would fill disks.
+                let key = key("shadow-field-haar").value(&(sampling, baking.thinning));
+                Some(baking.cached(&key, (baking.shells, progress), || {
+                    let projected = Projected::new(&basis, (&rays(mesh), ball), sampling, progress);
+                    Field::new(&basis, &projected, baking.thinning, baking.storage)
+                })?)
+            }
+            None => None,
+        };
+        let own = baking.cached(&key("own-occlusion-haar"), (0, progress), || {
+            Rows::store(basis.cube, &own_blocked(&basis, mesh), baking.storage)
+        })?;
+        Ok(Known { field, own })
+    })?;
+    let directions = std::array::from_fn(|axis| basis.directions.iter().map(|direction| direction[axis]).collect());
+    Ok(Box::new(HaarFields {
+        basis,
+        product: if params.choice("product") == "wavelets" { Product::Wavelets } else { Product::Texels },
+        directions,
+        known,
+        light: Default::default(),
+        known_light: None,
+        arrangement,
+        turns: Vec::new(),
+    }))
+}
+
+impl Baked for HaarFields {
+    fn footprint(&self) -> Footprint {
+        let sum = |bytes: fn(&Known) -> usize| distinct(&self.known).map(|(_, known)| bytes(known)).sum();
+        let fields = sum(|known| known.field.as_ref().map_or(0, Field::bytes));
+        let own = sum(|known| known.own.bytes());
+        Footprint { parts: vec![("occlusion fields", fields), ("own occlusion", own)] }
+    }
+
+    fn details(&self) -> Vec<Detail> {
+        let read = |field: &Field<HaarShell>, distance, [u, v]: [f32; 2]| {
+            let mut sum = Sum::new(self.basis.cube);
+            field.add_at(distance, u, v, &mut sum);
+            // All of it, as shading has it.
+            Sparse::largest(&sum.values, self.basis.cube.len())
+        };
+        details(&self.basis, &self.arrangement, &self.known, |known| known.field.as_ref(), read)
+    }
+
+    fn prepare(&mut self, frame: &Frame<'_>) -> Result<(), StrategyError> {
+        self.arrangement.prepare(frame)?;
+        let environment = &frame.scene.environment;
+        if !self.known_light.as_ref().is_some_and(|known| known.is_same_as(environment)) {
+            self.light = light::distant(&self.basis, environment);
+            self.known_light = Some(environment.clone());
+        }
+        let places = &self.arrangement.places;
+        self.turns = places.par_iter().map(|place| Turn::new(&self.basis, place.rotation())).collect();
+        Ok(())
+    }
+
+    fn shade(&self, receivers: Receivers<'_>, out: RadianceMut<'_>) {
+        shade::shade(self, receivers, out);
+    }
+}

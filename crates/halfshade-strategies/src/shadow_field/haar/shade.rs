@@ -1,0 +1,166 @@
+//! Shading as in [Tamura2006, figure 3], one receiver after another, over the texels of a cube.
+
+use super::{
+    HaarFields, Product,
+    light::Cap,
+    rows::Sum,
+    sparse::{forward, inverse},
+};
+use crate::shadow_field::arrangement::{Entity, LocalLight};
+use glam::Vec3;
+use halfshade_scene::{RadianceMut, Receivers};
+use halfshade_sh::haar::{product::product, transform};
+use std::{f32::consts::FRAC_1_PI, ops::Range};
+use wide::f32x8;
+
+/// Shades all receivers, part by part of their objects: each has its order of entities.
+pub(super) fn shade(fields: &HaarFields, receivers: Receivers<'_>, mut out: RadianceMut<'_>) {
+    let count = fields.basis.cube.len();
+    let mut scratch = Scratch {
+        unit: vec![0.0; count],
+        blocked: Sum::new(fields.basis.cube),
+        visible: vec![0.0; fields.basis.cube.face_len()],
+        product: vec![0.0; fields.basis.cube.face_len()],
+        texels: vec![0.0; count],
+    };
+    fields.arrangement.each_part(receivers, |range, part| match part {
+        Some(part) => scratch.shade_part(fields, receivers, range, part, &mut out),
+        None => range.for_each(|i| out.set(i, Vec3::ZERO)),
+    });
+}
+
+/// What one receiver after another is worked out in.
+struct Scratch {
+    /// U: texels, or wavelets if those are multiplied.
+    unit: Vec<f32>,
+    /// What one object hides.
+    blocked: Sum,
+    /// One face of what is visible, and of a product.
+    visible: Vec<f32>,
+    product: Vec<f32>,
+    /// Texels of U, where it is wavelets.
+    texels: Vec<f32>,
+}
+
+impl Scratch {
+    fn shade_part(
+        &mut self,
+        fields: &HaarFields,
+        receivers: Receivers<'_>,
+        range: Range<usize>,
+        (object, part): (usize, usize),
+        out: &mut RadianceMut<'_>,
+    ) {
+        let arrangement = &fields.arrangement;
+        for i in range {
+            let position = arrangement.point(receivers.position_at(i).as_dvec3());
+            let lanes = position.map(f32x8::splat);
+            self.set_cosine(fields, arrangement.direction(receivers.normal_at(i)));
+            let local = arrangement.places[object].in_object(&lanes).map(|axis| axis.as_array()[0]);
+            if let Some((vertex, _)) = arrangement.vertex(object, receivers.index[i], local.into()) {
+                fields.known[object].own.add(vertex, 1.0, &mut self.blocked);
+                self.hide(fields, object);
+            }
+            let mut radiance = Vec3::ZERO;
+            for entity in arrangement.order(object, part) {
+                match *entity {
+                    Entity::Object(other) => {
+                        let Some(field) = &fields.known[other].field else { continue };
+                        let [distance, u, v] = arrangement.places[other].on_shells(&lanes).map(|x| x[0]);
+                        field.add_at(distance, u, v, &mut self.blocked);
+                        self.hide(fields, other);
+                    }
+                    Entity::Light(number) => {
+                        let light = &arrangement.lights[number];
+                        radiance += self.reached(fields, light, position) * Vec3::from(light.radiance);
+                    }
+                }
+            }
+            let texels = self.texels(fields);
+            radiance += Vec3::from(std::array::from_fn(|channel| dot(texels, &fields.light[channel])));
+            out.set(i, receivers.albedo_at(i) * radiance);
+        }
+    }
+
+    /// U = ρ̂: the clamped cosine over π.
+    fn set_cosine(&mut self, fields: &HaarFields, normal: Vec3) {
+        let [x, y, z] = &fields.directions;
+        for (((unit, x), y), z) in self.unit.iter_mut().zip(x).zip(y).zip(z) {
+            *unit = FRAC_1_PI * (x * normal.x + y * normal.y + z * normal.z).max(0.0);
+        }
+        if fields.product == Product::Wavelets {
+            forward(fields.basis.cube, &mut self.unit);
+        }
+    }
+
+    /// U = (1 - B) U with the wavelets B in `blocked`, which are then cleared.
+    fn hide(&mut self, fields: &HaarFields, object: usize) {
+        let (cube, turn) = (fields.basis.cube, &fields.turns[object]);
+        let Self { unit, blocked, visible, product: result, .. } = self;
+        let faces = blocked.faces;
+        for (face, values) in blocked.values.chunks_exact_mut(cube.face_len()).enumerate() {
+            if faces & (1 << face) != 0 {
+                transform::inverse(values);
+            }
+        }
+        for (face, unit) in unit.chunks_exact_mut(cube.face_len()).enumerate() {
+            if !turn.meets(face, faces) {
+                continue;
+            }
+            match fields.product {
+                // What is hidden lies within [0, 1], though the wavelets that are left may say otherwise.
+                Product::Texels => {
+                    turn.each(cube, face, &blocked.values, |k, value| unit[k] *= 1.0 - value.clamp(0.0, 1.0));
+                }
+                Product::Wavelets => {
+                    turn.each(cube, face, &blocked.values, |k, value| visible[k] = 1.0 - value);
+                    transform::forward(visible);
+                    product(unit, visible, result);
+                    unit.copy_from_slice(result);
+                }
+            }
+        }
+        blocked.clear();
+    }
+
+    /// U as texels.
+    fn texels(&mut self, fields: &HaarFields) -> &[f32] {
+        match fields.product {
+            Product::Texels => &self.unit,
+            Product::Wavelets => {
+                self.texels.copy_from_slice(&self.unit);
+                inverse(fields.basis.cube, &mut self.texels);
+                &self.texels
+            }
+        }
+    }
+
+    /// `S_j · U` of a light of radiance 1.
+    fn reached(&mut self, fields: &HaarFields, light: &LocalLight, position: [f32; 3]) -> f32 {
+        let basis = &fields.basis;
+        let offset = Vec3::from(light.center) - Vec3::from(position);
+        // Within the light it is everywhere it can be, as far as a right angle.
+        let sine = (light.radius / offset.length().max(f32::MIN_POSITIVE)).min(1.0);
+        let cap = Cap::new(basis, offset.normalize_or(Vec3::Y), sine.asin());
+        let (mut sum, mut covered) = (0.0, 0.0);
+        for (texel, unit) in self.texels(fields).iter().enumerate() {
+            let weight = cap.coverage(basis, texel) * basis.solid_angles[texel];
+            sum += weight * unit;
+            covered += weight;
+        }
+        if covered > 0.0 { sum * (cap.solid_angle() / covered) } else { 0.0 }
+    }
+}
+
+/// The dot product, eight sums side by side.
+fn dot(a: &[f32], b: &[f32]) -> f32 {
+    let mut sums = [0.0_f32; 8];
+    let (a_rows, b_rows) = (a.chunks_exact(8), b.chunks_exact(8));
+    let rest: f32 = a_rows.remainder().iter().zip(b_rows.remainder()).map(|(a, b)| a * b).sum();
+    for (a, b) in a_rows.zip(b_rows) {
+        for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
+            *sum = a.mul_add(*b, *sum);
+        }
+    }
+    sums.iter().sum::<f32>() + rest
+}

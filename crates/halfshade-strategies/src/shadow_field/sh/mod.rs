@@ -1,0 +1,203 @@
+//! Fields of spherical harmonics: soft shadows from few numbers.
+
+mod projection;
+mod shade;
+mod shell;
+
+use super::{
+    arrangement::Arrangement,
+    baking::Baking,
+    basis::{Basis, rays},
+    details::{details, distinct},
+    field::{Field, Projected, ball},
+    vertices::{OwnRays, own_blocked},
+};
+use halfshade_scene::{Environment, Frame, Mesh, Progress, RadianceMut, Receivers, Scene, light::DistantLight};
+use halfshade_sh::{
+    basis,
+    blocker_table::{BlockerTable, Quantity},
+    dispatch_bands, lat_long,
+    rotation::ShRotation,
+    zonal,
+};
+use halfshade_strategy::{Baked, Detail, Footprint, Params, StrategyError};
+use projection::ShBasis;
+use rayon::prelude::*;
+use shell::{MOST, ShShell};
+use std::{f32::consts::FRAC_1_PI, sync::Arc};
+
+/// What an object's own occlusion is kept as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum OwnKind {
+    /// What the object hides above the vertex, to be multiplied with ρ̂ when shading [Tamura2006, figure 3].
+    Blocked,
+    /// Visibility times the cosine over π, projected as it is; for receivers that are vertices.
+    Transfer,
+}
+
+/// What is known of one mesh.
+#[derive(Debug)]
+struct Known {
+    field: Option<Field<ShShell>>,
+    /// Vectors of the vertices, one after another.
+    own: Vec<f32>,
+}
+
+/// Fields of the scene, light and places of the frame.
+#[derive(Debug)]
+struct ShFields {
+    bands: usize,
+    basis: ShBasis,
+    own_kind: OwnKind,
+    table: BlockerTable,
+    /// Clamped cosine over π by band, times the rotation's factor: ρ̂.
+    cosine: Vec<f32>,
+    /// Per object.
+    known: Vec<Arc<Known>>,
+    /// S_d: coefficient by coefficient, red, green, blue; and what it is of.
+    light: Vec<[f32; 3]>,
+    known_light: Option<Environment>,
+    arrangement: Arrangement,
+    /// Per object the blocks of the SH rotation from object space into light space, band by band, row by row.
+    rotations: Vec<Vec<f32>>,
+}
+
+/// The basis of so many bands, for the tests of what all bases share.
+#[cfg(test)]
+pub(super) fn basis(bands: usize, side: usize) -> ShBasis {
+    ShBasis::new(bands, side)
+}
+
+/// Fields for every mesh of the scene.
+pub(super) fn bake(
+    baking: &Baking<'_>,
+    scene: &Scene,
+    params: &Params,
+    progress: &dyn Progress,
+) -> Result<Box<dyn Baked>, StrategyError> {
+    let bands = params.integer("bands") as usize;
+    let table = BlockerTable::build(bands, Quantity::BlockerMinusOne)
+        .ok_or_else(|| StrategyError::Failed(format!("{bands} bands: there are kernels for 1 to 8")))?;
+    let own_kind = if params.choice("own") == "projected" { OwnKind::Transfer } else { OwnKind::Blocked };
+    let map = params.integer("map");
+    let basis = ShBasis::new(bands, map as usize);
+    let (known, arrangement) = baking.every_mesh(scene, progress, |mesh| {
+        let key = |kind| baking.key(kind, mesh).value(&(bands, map));
+        let sampling = (baking.shells, baking.resolution);
+        let field = match ball(mesh) {
+            Some(ball) => {
+                // As projected, so that another threshold needs no rays.
+                let key = key("shadow-field-sh").value(&sampling);
+                let projected = baking.cached(&key, (baking.shells, progress), || {
+                    Projected::new(&basis, (&rays(mesh), ball), sampling, progress)
+                })?;
+                Some(Field::new(&basis, &projected, baking.thinning, baking.storage))
+            }
+            None => None,
+        };
+        let key = key("own-occlusion-sh").value(&(own_kind == OwnKind::Transfer));
+        let own = baking.cached(&key, (0, progress), || match own_kind {
+            OwnKind::Blocked => own_blocked(&basis, mesh).concat(),
+            OwnKind::Transfer => own_transfer(&basis, mesh).concat(),
+        })?;
+        Ok(Known { field, own })
+    })?;
+    Ok(Box::new(ShFields {
+        bands,
+        basis,
+        own_kind,
+        table,
+        cosine: zonal::reflectance(bands).into_iter().map(|value| value as f32).collect(),
+        known,
+        light: Vec::new(),
+        known_light: None,
+        arrangement,
+        rotations: Vec::new(),
+    }))
+}
+
+/// Per vertex the visibility that its mesh leaves times the cosine over π.
+fn own_transfer(basis: &ShBasis, mesh: &Mesh) -> Vec<Vec<f32>> {
+    let rays = OwnRays::new(mesh);
+    (mesh.positions.par_iter().zip(&mesh.normals))
+        .map(|(&position, &normal)| {
+            basis.project(&|direction| {
+                let cosine = direction.dot(normal).max(0.0);
+                if cosine > 0.0 && !rays.blocked(position, normal, direction) { FRAC_1_PI * cosine } else { 0.0 }
+            })
+        })
+        .collect()
+}
+
+/// Distant light, projected: coefficient by coefficient.
+fn projected_light(bands: usize, environment: &Environment) -> Vec<[f32; 3]> {
+    let count = bands * bands;
+    let mut light: [Vec<f64>; 3] = match &environment.base {
+        DistantLight::Constant(radiance) => {
+            let one = basis::one(bands);
+            radiance.to_array().map(|channel| one.iter().map(|value| f64::from(channel) * value).collect())
+        }
+        DistantLight::Map(map) => {
+            let texels: Vec<[f32; 3]> = map.texels().iter().map(|texel| texel.to_array()).collect();
+            lat_long::project(bands, map.width(), map.height(), &texels)
+                .unwrap_or_else(|| std::array::from_fn(|_| vec![0.0; count]))
+        }
+    };
+    if let Some(sun) = environment.sun {
+        let versine = 2.0 * (0.5 * f64::from(sun.angular_radius)).sin().powi(2);
+        let axis = sun.direction.as_dvec3().normalize().to_array();
+        let cap = zonal::rotate_to_axis(&zonal::cap_from_versine(bands, versine), axis);
+        for (channel, radiance) in light.iter_mut().zip(sun.radiance.to_array()) {
+            channel.iter_mut().zip(&cap).for_each(|(sum, value)| *sum += f64::from(radiance) * value);
+        }
+    }
+    (0..count).map(|i| std::array::from_fn(|channel| light[channel][i] as f32)).collect()
+}
+
+/// The rotation `object_from_light`, inverted, as blocks row by row.
+fn light_from_object(bands: usize, object_from_light: [[f32; 3]; 3]) -> Vec<f32> {
+    let rotation = ShRotation::new(bands, &object_from_light.map(|row| row.map(f64::from)));
+    // The inverse is the transpose, of which columns are rows.
+    (0..bands).flat_map(|l| rotation.block(l).iter().map(|&value| value as f32).collect::<Vec<_>>()).collect()
+}
+
+impl Baked for ShFields {
+    fn footprint(&self) -> Footprint {
+        let sum = |bytes: fn(&Known) -> usize| distinct(&self.known).map(|(_, known)| bytes(known)).sum();
+        let fields = sum(|known| known.field.as_ref().map_or(0, Field::bytes));
+        let own = sum(|known| size_of_val(known.own.as_slice()));
+        Footprint { parts: vec![("occlusion fields", fields), ("own occlusion", own)] }
+    }
+
+    fn details(&self) -> Vec<Detail> {
+        let count = self.bands * self.bands;
+        details(
+            &self.basis,
+            &self.arrangement,
+            &self.known,
+            |known| known.field.as_ref(),
+            |field, distance, [u, v]| {
+                let mut sum = [0.0; MOST];
+                field.add_at(distance, u, v, &mut sum);
+                sum[..count].to_vec()
+            },
+        )
+    }
+
+    fn prepare(&mut self, frame: &Frame<'_>) -> Result<(), StrategyError> {
+        self.arrangement.prepare(frame)?;
+        let environment = &frame.scene.environment;
+        if !self.known_light.as_ref().is_some_and(|known| known.is_same_as(environment)) {
+            self.light = projected_light(self.bands, environment);
+            self.known_light = Some(environment.clone());
+        }
+        let rotations = self.arrangement.places.iter().map(|place| light_from_object(self.bands, place.rotation()));
+        self.rotations = rotations.collect();
+        Ok(())
+    }
+
+    fn shade(&self, receivers: Receivers<'_>, out: RadianceMut<'_>) {
+        // `bake` made sure that there is a kernel for this number of bands.
+        let _: Option<()> = dispatch_bands!(self.bands, N => shade::shade::<N>(self, receivers, out));
+    }
+}

@@ -1,0 +1,145 @@
+//! Shading as in [Tamura2006, figure 3], eight receivers side by side, one entity after another.
+
+use super::{OwnKind, ShFields, shell::MOST};
+use crate::shadow_field::arrangement::{Entity, LocalLight};
+use glam::Vec3;
+use halfshade_scene::{RadianceMut, Receivers};
+use halfshade_sh::kernel::{self, FULL, LANES, ShBatch};
+use std::ops::Range;
+use wide::f32x8;
+
+/// Shades all receivers, part by part of their objects: each has its order of entities.
+pub(super) fn shade<const N: usize>(fields: &ShFields, receivers: Receivers<'_>, mut out: RadianceMut<'_>) {
+    fields.arrangement.each_part(receivers, |range, part| match part {
+        Some(part) => shade_part::<N>(fields, receivers, range, part, &mut out),
+        None => range.for_each(|i| out.set(i, Vec3::ZERO)),
+    });
+}
+
+/// Shades receivers of one part of an object.
+fn shade_part<const N: usize>(
+    fields: &ShFields,
+    receivers: Receivers<'_>,
+    range: Range<usize>,
+    (object, part): (usize, usize),
+    out: &mut RadianceMut<'_>,
+) {
+    let arrangement = &fields.arrangement;
+    for start in range.clone().step_by(LANES) {
+        let lanes = (range.end - start).min(LANES);
+        let lane = |k: usize| start + k.min(lanes - 1);
+        let positions: [[f32; 3]; LANES] =
+            std::array::from_fn(|k| arrangement.point(receivers.position_at(lane(k)).as_dvec3()));
+        let position: [f32x8; 3] = std::array::from_fn(|axis| f32x8::from(positions.map(|p| p[axis])));
+        let mut unit = own::<N>(fields, object, receivers, &position, lane);
+        let mut radiance = [f32x8::ZERO; 3];
+        for entity in arrangement.order(object, part) {
+            match *entity {
+                Entity::Object(other) => {
+                    if fields.known[other].field.is_some() {
+                        unit = kernel::product(&visible::<N>(fields, other, &position), &unit);
+                    }
+                }
+                Entity::Light(number) => {
+                    let light = &arrangement.lights[number];
+                    let reached = reached::<N>(fields, light, &position, &unit);
+                    (0..3).for_each(|c| radiance[c] += reached * f32x8::splat(light.radiance[c]));
+                }
+            }
+        }
+        for (values, weights) in unit.iter().zip(&fields.light) {
+            (0..3).for_each(|c| radiance[c] = values.mul_add(f32x8::splat(weights[c]), radiance[c]));
+        }
+        for k in 0..lanes {
+            let white = Vec3::from(radiance.each_ref().map(|channel| channel.as_array()[k]));
+            out.set(start + k, receivers.albedo_at(start + k) * white);
+        }
+    }
+}
+
+/// U of eight receivers, from their vertices, in light space.
+fn own<const N: usize>(
+    fields: &ShFields,
+    object: usize,
+    receivers: Receivers<'_>,
+    position: &[f32x8; 3],
+    lane: impl Fn(usize) -> usize,
+) -> ShBatch<N> {
+    let (known, arrangement) = (&fields.known[object], &fields.arrangement);
+    let mut local = [[0.0_f32; LANES]; N];
+    let mut found = [0.0_f32; LANES];
+    let points = arrangement.places[object].in_object(position).map(f32x8::to_array);
+    for k in 0..LANES {
+        let point = Vec3::from(points.map(|axis| axis[k]));
+        if let Some((vertex, is_there)) = arrangement.vertex(object, receivers.index[lane(k)], point) {
+            local.iter_mut().zip(&known.own[vertex * N..]).for_each(|(row, &value)| row[k] = value);
+            found[k] = f32::from(is_there || fields.own_kind == OwnKind::Blocked);
+        }
+    }
+    let vector = turned(&local.map(f32x8::from), &fields.rotations[object]);
+    let normals: [Vec3; LANES] = std::array::from_fn(|k| arrangement.direction(receivers.normal_at(lane(k))));
+    let basis = kernel::basis::<f32x8, N>(std::array::from_fn(|axis| f32x8::from(normals.map(|n| n[axis]))));
+    let cosine = kernel::times_bands(&basis, &fields.cosine);
+    let unit = match fields.own_kind {
+        OwnKind::Blocked => kernel::product(&one_less(&vector), &cosine),
+        OwnKind::Transfer => vector,
+    };
+    let found = f32x8::from(found).simd_gt(f32x8::ZERO);
+    std::array::from_fn(|i| found.select(unit[i], cosine[i]))
+}
+
+/// What an object leaves visible of eight places, in light space.
+#[inline(never)]
+fn visible<const N: usize>(fields: &ShFields, object: usize, position: &[f32x8; 3]) -> ShBatch<N> {
+    let mut local = [[0.0_f32; LANES]; N];
+    if let Some(field) = &fields.known[object].field {
+        let [distance, u, v] = fields.arrangement.places[object].on_shells(position);
+        for k in 0..LANES {
+            let mut blocked = [0.0; MOST];
+            field.add_at(distance[k], u[k], v[k], &mut blocked);
+            local.iter_mut().zip(&blocked).for_each(|(row, &value)| row[k] = value);
+        }
+    }
+    one_less(&turned(&local.map(f32x8::from), &fields.rotations[object]))
+}
+
+/// `1 - B`.
+#[inline(always)]
+fn one_less<const N: usize>(blocked: &ShBatch<N>) -> ShBatch<N> {
+    let mut visible = blocked.map(|value| -value);
+    visible[0] += f32x8::splat(FULL);
+    visible
+}
+
+/// Eight vectors, turned band by band.
+#[inline(always)]
+fn turned<const N: usize>(vector: &ShBatch<N>, rotation: &[f32]) -> ShBatch<N> {
+    let mut turned = [f32x8::ZERO; N];
+    let mut blocks = rotation;
+    for l in 0..const { N.isqrt() } {
+        let side = 2 * l + 1;
+        let (block, rest) = blocks.split_at(side * side);
+        blocks = rest;
+        for (row, sum) in block.chunks_exact(side).zip(&mut turned[l * l..]) {
+            for (&weight, value) in row.iter().zip(&vector[l * l..]) {
+                *sum = value.mul_add(f32x8::splat(weight), *sum);
+            }
+        }
+    }
+    turned
+}
+
+/// `S_j · U` of a light of radiance 1: its cap, dotted.
+fn reached<const N: usize>(fields: &ShFields, light: &LocalLight, position: &[f32x8; 3], unit: &ShBatch<N>) -> f32x8 {
+    let offset: [f32x8; 3] = std::array::from_fn(|axis| f32x8::splat(light.center[axis]) - position[axis]);
+    let squared = offset[0].mul_add(offset[0], offset[1].mul_add(offset[1], offset[2] * offset[2]));
+    let squared = squared.fast_max(f32x8::splat(f32::MIN_POSITIVE));
+    let inverse = f32x8::ONE / squared.sqrt();
+    let direction = offset.map(|axis| axis * inverse);
+    // Within the light it is everywhere it can be: the table ends at a right angle.
+    let sine_squared = (f32x8::splat(light.radius * light.radius) / squared).fast_min(f32x8::ONE);
+    let scale = fields.table.lookup::<N>(sine_squared);
+    let mut minus_cap = [f32x8::ZERO; N];
+    kernel::accumulate_lobe(direction, &scale, &mut minus_cap);
+    -kernel::dot(&minus_cap, unit)
+}

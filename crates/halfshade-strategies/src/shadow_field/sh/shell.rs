@@ -1,0 +1,250 @@
+//! A shell of SH vectors in memory.
+
+use super::{
+    super::{
+        basis::{Shell, Storage},
+        shells::{Grid, four_nearest},
+    },
+    ShBasis,
+};
+use wide::f32x8;
+
+/// Most coefficients of a sample: 8 bands.
+pub(in super::super) const MOST: usize = 64;
+
+/// One shell.
+#[derive(Debug)]
+pub(in super::super) struct ShShell {
+    resolution: usize,
+    /// Coefficients per sample in memory: whole vector registers.
+    stride: usize,
+    values: Values,
+    /// Per coefficient the smallest value and the step [Tamura2006, 5.1]; 0 and 1 unless in 8 bits.
+    least: Vec<f32>,
+    step: Vec<f32>,
+}
+
+#[derive(Debug)]
+enum Values {
+    U8(Vec<u8>),
+    F16(Vec<half::f16>),
+    F32(Vec<f32>),
+}
+
+impl Shell for ShShell {
+    type Basis = ShBasis;
+    type Sum = [f32; MOST];
+
+    fn store(_: &ShBasis, grid: &Grid<Vec<f32>>, storage: Storage) -> Self {
+        let count = grid.samples.first().map_or(0, Vec::len);
+        let stride = count.next_multiple_of(8);
+        let column = |k: usize| grid.samples.iter().map(move |vector| vector[k]);
+        let (mut least, mut step) = (vec![0.0; stride], vec![1.0; stride]);
+        if storage == Storage::U8 {
+            for k in 0..count {
+                let (low, high) = column(k).fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+                (least[k], step[k]) = (low, (high - low) / 255.0);
+            }
+        }
+        let padded = || {
+            let row = |vector: &Vec<f32>| -> Vec<(usize, f32)> {
+                (0..stride).map(|k| (k, vector.get(k).copied().unwrap_or(0.0))).collect()
+            };
+            grid.samples.iter().flat_map(row)
+        };
+        let values = match storage {
+            Storage::U8 => Values::U8(
+                padded()
+                    .map(|(k, x)| if step[k] > 0.0 && k < count { ((x - least[k]) / step[k]).round() as u8 } else { 0 })
+                    .collect(),
+            ),
+            Storage::F16 => Values::F16(padded().map(|(_, x)| half::f16::from_f32(x)).collect()),
+            Storage::F32 => Values::F32(padded().map(|(_, x)| x).collect()),
+        };
+        // Past the last coefficient there is nothing.
+        step[count..].fill(0.0);
+        Self { resolution: grid.resolution, stride, values, least, step }
+    }
+
+    fn resolution(&self) -> usize {
+        self.resolution
+    }
+
+    fn bytes(&self) -> usize {
+        let tables = if matches!(self.values, Values::U8(_)) { 8 * self.least.len() } else { 0 };
+        tables
+            + match &self.values {
+                Values::U8(values) => values.len(),
+                Values::F16(values) => 2 * values.len(),
+                Values::F32(values) => 4 * values.len(),
+            }
+    }
+
+    #[inline]
+    fn add(&self, u: f32, v: f32, share: f32, sum: &mut [f32; MOST]) {
+        let (places, weights) = four_nearest(self.resolution, u, v);
+        for first in (0..self.stride).step_by(8) {
+            let mut mixed = f32x8::ZERO;
+            for (place, weight) in places.into_iter().zip(weights) {
+                let from = place * self.stride + first;
+                let lanes: [f32; 8] = match &self.values {
+                    Values::U8(values) => eight(values, from, |x| f32::from(*x)),
+                    Values::F16(values) => eight(values, from, |x| x.to_f32()),
+                    Values::F32(values) => eight(values, from, |x| *x),
+                };
+                mixed = f32x8::from(lanes).mul_add(f32x8::splat(weight), mixed);
+            }
+            let row = |list: &[f32]| f32x8::from(eight(list, first, |x| *x));
+            let value = mixed.mul_add(row(&self.step), row(&self.least));
+            let added = value.mul_add(f32x8::splat(share), row(&sum[..]));
+            sum[first..first + 8].copy_from_slice(added.as_array());
+        }
+    }
+}
+
+#[inline(always)]
+fn eight<T>(list: &[T], first: usize, value: impl Fn(&T) -> f32) -> [f32; 8] {
+    let list = &list[first..first + 8];
+    std::array::from_fn(|k| value(&list[k]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::{
+        basis::{Ball, Basis, rays},
+        field::{Field, Projected, Thinning, ball},
+        shells::direction,
+    };
+    use super::super::basis;
+    use super::*;
+    use glam::Vec3;
+    use halfshade_scene::{Mesh, builtin::shapes, progress::Silent};
+    use std::f32::consts::{PI, TAU};
+
+    const FIXED: Thinning = Thinning { threshold: None, drops_shells: false };
+
+    fn baked(mesh: &Mesh, threshold: Option<f64>, storage: Storage) -> Field<ShShell> {
+        let basis = basis(4, 32);
+        let ball = ball(mesh).unwrap();
+        let projected = Projected::new(&basis, (&rays(mesh), ball), (12, 16), &Silent);
+        Field::new(&basis, &projected, Thinning { threshold, drops_shells: false }, storage)
+    }
+
+    fn at(field: &Field<ShShell>, point: Vec3) -> [f32; MOST] {
+        let offset = point - field.center;
+        let distance = offset.length();
+        let mut found = [0.0; MOST];
+        let (u, v) = (offset.z.atan2(offset.x) / TAU, (offset.y / distance).acos() / PI);
+        field.add_at(distance / field.radius, u, v, &mut found);
+        found
+    }
+
+    fn exact(mesh: &Mesh, field: &Field<ShShell>, point: Vec3, map: usize) -> Vec<f32> {
+        let ball = Ball { center: field.center, radius: field.radius };
+        basis(4, map).blocked_from(&rays(mesh), point, ball)
+    }
+
+    /// At its sample points a field is what was projected there, to the quantizer's step.
+    #[test]
+    fn sample_points_keep_their_values() {
+        let mesh = shapes::torus(0.7, 0.3, 40, 20);
+        for (storage, bound) in [(Storage::F32, 2e-5), (Storage::F16, 4e-3), (Storage::U8, 0.02)] {
+            let field = baked(&mesh, None, storage);
+            for (shell, column, row) in [(0, 3, 5), (4, 0, 0), (5, 15, 8), (7, 9, 15), (11, 4, 4)] {
+                let place = direction([(column as f32 + 0.5) / 16.0, (row as f32 + 0.5) / 16.0]);
+                let point = field.center + 0.2 * field.radius * (shell + 1) as f32 * place;
+                for (found, exact) in at(&field, point).iter().zip(exact(&mesh, &field, point, 32)) {
+                    assert!((found - exact).abs() < bound, "{storage:?} {shell}: {found} {exact}");
+                }
+            }
+        }
+    }
+
+    /// Between sample points of a shell the field comes near to what would be projected there, the nearer the denser
+    /// they are.
+    #[test]
+    fn denser_points_converge_to_the_projection() {
+        let mesh = shapes::torus(0.7, 0.3, 40, 20);
+        let (basis, ball) = (basis(4, 48), ball(&mesh).unwrap());
+        let points: Vec<Vec3> = (0..60)
+            .map(|i| {
+                let direction = direction([0.618_034 * i as f32 % 1.0, (i as f32 + 0.5) / 60.0]);
+                // On a shell outside: what is between shells isn't asked here.
+                ball.center + [1.2, 1.6, 2.0][i % 3] * ball.radius * direction
+            })
+            .collect();
+        let error = |resolution| {
+            let projected = Projected::new(&basis, (&rays(&mesh), ball), (10, resolution), &Silent);
+            let field = Field::new(&basis, &projected, FIXED, Storage::F32);
+            let squares = points.iter().map(|&point| {
+                let exact = exact(&mesh, &field, point, 48);
+                at(&field, point).iter().zip(&exact).map(|(found, exact)| f64::from(found - exact).powi(2)).sum::<f64>()
+            });
+            (squares.sum::<f64>() / points.len() as f64).sqrt()
+        };
+        let errors = [8, 16, 32].map(error);
+        assert!(errors[1] < 0.5 * errors[0] && errors[2] < 0.6 * errors[1] && errors[2] < 0.03, "{errors:?}");
+    }
+
+    /// Of a ball all shells are alike in all directions but for the turn of what is seen; within it everything is dark,
+    /// and one point tells all.
+    #[test]
+    fn shells_inside_a_solid_collapse_and_bytes_shrink() {
+        let mesh = shapes::sphere(24);
+        let fixed = baked(&mesh, None, Storage::U8);
+        let adaptive = baked(&mesh, Some(0.02), Storage::U8);
+        let resolutions = adaptive.resolutions();
+        assert!(resolutions[..4].iter().all(|&resolution| resolution == 1), "{resolutions:?}");
+        assert!(adaptive.bytes() < fixed.bytes() && resolutions[11] <= 16, "{resolutions:?}");
+        let all = baked(&mesh, Some(1e9), Storage::F32);
+        assert!(all.resolutions().iter().all(|&resolution| resolution == 1));
+    }
+
+    /// Shells that go where their neighbours tell as much: fewer bytes, the error still within bounds everywhere.
+    #[test]
+    fn dropped_shells_are_found_between_their_neighbours() {
+        let mesh = shapes::torus(0.7, 0.3, 40, 20);
+        let (basis, ball) = (basis(4, 32), ball(&mesh).unwrap());
+        let projected = Projected::new(&basis, (&rays(&mesh), ball), (24, 16), &Silent);
+        let field = |drops_shells| {
+            Field::<ShShell>::new(&basis, &projected, Thinning { threshold: Some(0.02), drops_shells }, Storage::F32)
+        };
+        let (all, fewer) = (field(false), field(true));
+        let left = fewer.resolutions().iter().filter(|&&resolution| resolution > 0).count();
+        assert!(left < 20 && fewer.bytes() < all.bytes(), "{:?}", fewer.resolutions());
+        for i in 0..200 {
+            let place = direction([0.618_034 * i as f32 % 1.0, (i as f32 + 0.5) / 200.0]);
+            let point = ball.center + (0.2 + 4.5 * (i % 20) as f32 / 20.0) * ball.radius * place;
+            let (a, b) = (at(&all, point), at(&fewer, point));
+            let off = basis.difference(&a[..16].to_vec(), &b[..16].to_vec());
+            assert!(off < 0.04, "{i}: {off}");
+        }
+    }
+
+    /// Over seam, poles, shells, past the last one, at the centre: finite, and no step.
+    #[test]
+    fn continuous_along_every_path() {
+        let field = baked(&shapes::torus(0.7, 0.3, 40, 20), Some(0.02), Storage::U8);
+        let paths: [fn(f32) -> Vec3; 4] = [
+            |t| 1.3 * Vec3::new((TAU * t).cos(), 0.2, (TAU * t).sin()),
+            |t| 1.7 * Vec3::new((TAU * t).sin(), (TAU * t).cos(), 0.0),
+            |t| (0.05 + 8.0 * t) * Vec3::new(0.6, 0.48, 0.64),
+            |t| Vec3::new(1e-3, 2.0 - 4.0 * t, 1e-3),
+        ];
+        for (number, path) in paths.iter().enumerate() {
+            let steps = 4_000;
+            let mut before = at(&field, path(0.0));
+            for i in 1..=steps {
+                let now = at(&field, path(i as f32 / steps as f32));
+                let change = (0..16).map(|k| (now[k] - before[k]).abs()).fold(0.0, f32::max);
+                assert!(now.iter().all(|x| x.is_finite()) && change < 0.06, "path {number} at {i}: {change}");
+                before = now;
+            }
+        }
+        for (distance, u, v) in [(0.0, 0.0, 0.0), (1e9, 0.5, 1.0), (f32::MAX, -0.5, 0.5), (3.0, 0.5, 0.0)] {
+            let mut found = [0.0; MOST];
+            field.add_at(distance, u, v, &mut found);
+            assert!(found.iter().all(|x| x.is_finite()) && (0.0..4.0).contains(&found[0]), "{distance}: {found:?}");
+        }
+    }
+}
