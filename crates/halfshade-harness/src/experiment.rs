@@ -6,6 +6,7 @@
 //! frames = [0]                       # default [0]; a scene may have its own
 //! receivers = ["vertices"]           # and/or "pixels"; default vertices
 //! references = ["mesh", "spheres", "bands"]   # default ["mesh"]; see `ReferenceKind`
+//! details = true                     # also what only one strategy tells, such as the resolution it chose; default false
 //!
 //! [truth]
 //! samples = 1024                     # per receiver; or relative_noise = 0.002 (of the unshadowed mean)
@@ -66,6 +67,9 @@ pub struct Experiment {
     /// What strategies are compared with.
     #[serde(default = "mesh_only")]
     pub references: Vec<ReferenceKind>,
+    /// Whether strategies are asked for figures that only they have.
+    #[serde(default)]
+    pub details: bool,
     /// How exact the truth is.
     pub truth: TruthSettings,
     /// How time is measured, if it is.

@@ -52,6 +52,8 @@ pub struct Plan {
     pub references: Vec<ReferenceKind>,
     /// Every strategy with its parameters.
     pub variants: Vec<Variant>,
+    /// Whether strategies are asked for figures that only they have.
+    pub details: bool,
     /// How exact the truth is.
     pub accuracy: Accuracy,
     /// How time is measured, if it is.
@@ -153,6 +155,7 @@ impl Plan {
             scenes,
             receivers: experiment.receivers.clone(),
             references,
+            details: experiment.details,
             variants,
             accuracy,
             timing,

@@ -28,7 +28,8 @@ pub fn tables(results: &Results) -> Vec<Table> {
         .iter()
         .flat_map(|(scene, frame, receivers)| {
             let first = table::scene_table(results, scene, *frame, receivers);
-            std::iter::once(first).chain(table::error_split(results, scene, *frame, receivers))
+            let split = table::error_split(results, scene, *frame, receivers);
+            std::iter::once(first).chain(split).chain(table::details(results, scene, *frame, receivers))
         })
         .collect()
 }
@@ -76,6 +77,9 @@ pub fn report(results: &Results, format: Format) -> String {
                 if let Some(split) = table::error_split(results, &scene, frame, &receivers) {
                     page += &format!("\n{}", split.write(format, &provenance));
                 }
+                if let Some(details) = table::details(results, &scene, frame, &receivers) {
+                    page += &format!("\n{}", details.write(format, &provenance));
+                }
                 page += &pictures_markdown(results, &scene, frame);
             }
             page
@@ -97,6 +101,9 @@ pub fn report(results: &Results, format: Format) -> String {
                 }
                 if let Some(split) = table::error_split(results, &scene, frame, &receivers) {
                     page += &split.write(format, &provenance);
+                }
+                if let Some(details) = table::details(results, &scene, frame, &receivers) {
+                    page += &details.write(format, &provenance);
                 }
                 page += "<div class=\"pictures\">\n";
                 for files in results.pictures.iter().filter(|files| files.scene == scene && files.frame == frame) {

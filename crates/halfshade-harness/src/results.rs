@@ -105,6 +105,18 @@ pub struct Run {
     pub time: Option<TimeFigures>,
     /// How much it holds.
     pub memory: Option<Memory>,
+    /// Figures that only this strategy has, if the experiment asks for them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub details: Vec<Detail>,
+}
+
+/// A list of figures under a name.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Detail {
+    /// What they are.
+    pub name: String,
+    /// The figures, in an order that the name tells.
+    pub values: Vec<f64>,
 }
 
 /// How far off a run is.
@@ -281,6 +293,7 @@ pub(crate) mod tests {
             truth: Some(TruthFigures { samples: 256, rms_standard_error: 1e-3, unshadowed_mean: 0.5 }),
             time: Some(TimeFigures::of(0.25, 2, vec![Sample { prepare_secs: 0.0, shade_secs: 1e-3 * ms }; 3])),
             memory: Some(Memory { bytes: 2048, parts: BTreeMap::from([("tables".into(), 2048)]) }),
+            details: vec![Detail { name: "resolution by shell".into(), values: vec![8.0, 64.0, 0.015625] }],
         };
         let mut blind = run("blind", "blind", 0.0, 1.0);
         blind.status = Status::Unsupported;

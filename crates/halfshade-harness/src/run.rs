@@ -13,7 +13,9 @@ use crate::{
     plan::Plan,
     projection::Projection,
     reference::{BandLimit, ReferenceTracer},
-    results::{ErrorFigures, Memory, PictureFiles, Run, SCHEMA, Sample, SceneFacts, Status, TimeFigures, TruthFigures},
+    results::{
+        Detail, ErrorFigures, Memory, PictureFiles, Run, SCHEMA, Sample, SceneFacts, Status, TimeFigures, TruthFigures,
+    },
     shading::{count_not_finite, shade_all},
 };
 use glam::Vec3;
@@ -40,8 +42,6 @@ pub struct Tools<'a> {
     pub progress: &'a dyn Progress,
     /// The clock.
     pub clock: &'a dyn Clock,
-    /// Takes sentences for the user.
-    pub note: &'a (dyn Fn(&str) + Sync),
     /// Version and commit of the program.
     pub revision: &'a str,
 }
@@ -103,7 +103,7 @@ pub fn run(experiment: &Experiment, tools: &Tools<'_>, options: &RunOptions) -> 
                 (Some(journal), Known::of(entries))
             } else {
                 if options.resume {
-                    (tools.note)("nothing to resume: starting from the beginning");
+                    tools.progress.note("nothing to resume: starting from the beginning");
                 }
                 (Some(Journal::create(&path, &header)?), Known::default())
             }
@@ -117,7 +117,7 @@ pub fn run(experiment: &Experiment, tools: &Tools<'_>, options: &RunOptions) -> 
         for (number, (scene, frames)) in plan.scenes.iter().enumerate() {
             let mut scene = scene.clone();
             for note in scene.build_spheres(tools.cache, tools.progress)? {
-                (tools.note)(&format!("{}: {note}", scene.name));
+                tools.progress.note(&format!("{}: {note}", scene.name));
             }
             results.scenes.push(SceneFacts {
                 name: scene.name.clone(),
@@ -235,6 +235,7 @@ impl Session<'_> {
             truth: None,
             time: None,
             memory: None,
+            details: Vec::new(),
         };
         let references = self.references(scene, index, &receivers)?;
         let exposure = projection.as_ref().map_or(1.0, |p| p.picture(&references[0].1.radiance, Vec3::ZERO).exposure());
@@ -411,6 +412,9 @@ impl Session<'_> {
             bytes: footprint.bytes(),
             parts: footprint.parts.iter().map(|(part, bytes)| ((*part).to_owned(), *bytes)).collect(),
         };
+        let details = if self.plan.details { baked.details() } else { Vec::new() };
+        let details = details.into_iter().map(|detail| Detail { name: detail.name, values: detail.values });
+        let details: Vec<Detail> = details.collect();
         let mesh = &references[0].1;
         let runs = references
             .iter()
@@ -425,6 +429,7 @@ impl Session<'_> {
                     truth: Some(truth_figures(&reference, *samples, mesh)),
                     time: Some(TimeFigures::of(bake_secs, self.threads, Vec::new())),
                     memory: Some(memory.clone()),
+                    details: details.clone(),
                     ..run.clone()
                 })
             })

@@ -1,4 +1,4 @@
-//! How long work tells where it stands, without knowing who listens.
+//! How long work tells where it stands, and what else the user should know, without knowing who listens.
 
 /// A listener for the progress of one long task. Implementations decide whether anything is drawn.
 pub trait Progress: Sync {

@@ -1,11 +1,13 @@
 //! Tables: one model, and a file per format that writes it.
 
 mod csv_format;
+mod details;
 pub(crate) mod html;
 mod latex;
 mod markdown;
 mod views;
 
+pub use details::details;
 pub use views::{error_split, results_csv, scene_table};
 pub(crate) use views::{groups, runs_of};
 

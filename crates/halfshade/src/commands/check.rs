@@ -3,6 +3,7 @@
 use super::{Context, Failure};
 use crate::{cli::CheckArguments, terminal};
 use halfshade_harness::{Experiment, Results, check::compare, run::RunOptions, table::Format};
+use halfshade_scene::Progress;
 use std::process::ExitCode;
 
 pub(super) fn check(context: &Context, arguments: &CheckArguments) -> Result<ExitCode, Failure> {

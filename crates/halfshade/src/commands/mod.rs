@@ -63,7 +63,6 @@ impl Context {
             cache: &self.cache,
             progress: &self.bars,
             clock: &self.clock,
-            note: &|text| self.bars.note(text),
             revision: &self.revision,
         })
     }

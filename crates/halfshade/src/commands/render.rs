@@ -9,7 +9,7 @@ use halfshade_harness::{
     projection::Projection,
     shading::{count_not_finite, shade_all},
 };
-use halfshade_scene::{RadianceBuffer, ReceiverBuffer};
+use halfshade_scene::{Progress, RadianceBuffer, ReceiverBuffer};
 use halfshade_strategy::Effects;
 use halfshade_truth::Tracer;
 use std::process::ExitCode;

@@ -8,6 +8,7 @@ use halfshade_harness::{
     run::RunOptions,
     table::Format,
 };
+use halfshade_scene::Progress;
 use std::{path::PathBuf, process::ExitCode};
 
 pub(super) fn run(context: &Context, arguments: &RunArguments) -> Result<ExitCode, Failure> {

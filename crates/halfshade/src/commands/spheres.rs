@@ -9,7 +9,7 @@ use halfshade_harness::{
     sphere_fit::ground_shadow_errors,
 };
 use halfshade_scene::{
-    SphereSet,
+    Progress, SphereSet,
     spheres::{AdjustRule, BuildOptions},
 };
 use serde_json::json;

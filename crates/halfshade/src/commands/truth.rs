@@ -8,6 +8,7 @@ use halfshade_harness::{
     output::check_writable,
     projection::Projection,
 };
+use halfshade_scene::Progress;
 use halfshade_truth::{MAX_SAMPLES, Options, Tracer, estimate};
 use std::process::ExitCode;
 
