@@ -1,7 +1,7 @@
 //! Where everything is in a frame: objects and lights in the space of the distant light, and who is near to whom.
 
 use super::{PART, basis::Ball, vertices::Vertices};
-use glam::{DMat3, DQuat, DVec3, Vec3};
+use glam::{DMat3, DQuat, DVec3, Mat3, Vec3};
 use halfshade_scene::{Frame, Mesh, Receivers, Scene, SphereLight};
 use halfshade_strategy::StrategyError;
 use std::{f32::consts::FRAC_1_PI, ops::Range, sync::Arc};
@@ -191,6 +191,11 @@ impl Place {
         self.object_from_light
     }
 
+    /// The same as a matrix.
+    pub(super) fn turn(&self) -> Mat3 {
+        Mat3::from_cols_array_2d(&self.object_from_light).transpose()
+    }
+
     /// Eight points of light space relative to the middle of the object's ball, in the object's space.
     #[inline(always)]
     pub(super) fn in_object(&self, position: &[f32x8; 3]) -> [f32x8; 3] {
@@ -218,4 +223,9 @@ impl Place {
         let u = z.atan2(x) * f32x8::splat(0.5 * FRAC_1_PI);
         [distance * f32x8::splat(self.inverse_radius), u, v].map(f32x8::to_array)
     }
+}
+
+/// One point of light space relative to the middle of the object's ball, in the object's space.
+pub(super) fn splat_in_object(place: &Place, position: [f32; 3]) -> Vec3 {
+    place.in_object(&position.map(f32x8::splat)).map(|axis| axis.as_array()[0]).into()
 }

@@ -3,8 +3,9 @@
 use super::{
     arrangement::Arrangement,
     basis::{Ball, Storage},
-    field::{Thinning, ball},
-    vertices::Vertices,
+    field::{Shells, Thinning, ball},
+    traced::Traced,
+    vertices::{OwnRays, Vertices},
 };
 use halfshade_scene::{
     Cache, Mesh, Progress, Scene,
@@ -20,10 +21,20 @@ const VERSION: u32 = 2;
 /// What fields of any basis are baked with.
 pub(super) struct Baking<'a> {
     pub(super) cache: &'a Cache,
-    pub(super) shells: usize,
-    pub(super) resolution: usize,
+    pub(super) sampling: Shells,
     pub(super) thinning: Thinning,
     pub(super) storage: Storage,
+    pub(super) source: Source,
+}
+
+/// Where visibility comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Source {
+    Fields,
+    /// Rays from the receiver: no interpolation.
+    Traced,
+    /// Rays for all objects at once: no products either.
+    Together,
 }
 
 impl Baking<'_> {
@@ -48,6 +59,12 @@ impl Baking<'_> {
         Ok(data)
     }
 
+    /// The triangles of a mesh, if they take the place of its field.
+    pub(super) fn traced(&self, mesh: &Mesh, ball: Option<Ball>) -> Option<Arc<Traced>> {
+        let ball = ball.filter(|_| self.source != Source::Fields)?;
+        Some(Arc::new(Traced::new(OwnRays::new(mesh), ball)))
+    }
+
     /// `bake` for every mesh of the scene, once for those that objects share; and where they are.
     pub(super) fn every_mesh<K>(
         &self,
@@ -55,7 +72,7 @@ impl Baking<'_> {
         progress: &dyn Progress,
         bake: impl Fn(&Mesh) -> Result<K, StrategyError>,
     ) -> Result<(Vec<Arc<K>>, Arrangement), StrategyError> {
-        progress.start("shadow fields", (scene.objects.len() * self.shells) as u64);
+        progress.start("shadow fields", (scene.objects.len() * self.sampling.count) as u64);
         let mut meshes: Vec<(Arc<Mesh>, Arc<K>, Arc<Vertices>)> = Vec::new();
         let (mut known, mut bodies) = (Vec::new(), Vec::new());
         for object in &scene.objects {
@@ -63,7 +80,7 @@ impl Baking<'_> {
             let same = meshes.iter().find(|(other, ..)| Arc::ptr_eq(other, mesh));
             let (_, baked, vertices) = match same {
                 Some(same) => {
-                    progress.advance(self.shells as u64);
+                    progress.advance(self.sampling.count as u64);
                     same
                 }
                 None => {

@@ -3,7 +3,7 @@
 use super::{
     arrangement::Arrangement,
     basis::{Ball, Basis, Shell, VectorOf, rays},
-    field::{Field, SPACING},
+    field::Field,
     shells::direction,
 };
 use halfshade_scene::Mesh;
@@ -50,10 +50,10 @@ fn interpolation_errors<S: Shell>(
     const POINTS: usize = 64;
     let rays = rays(mesh);
     let ball = Ball { center: field.center, radius: field.radius };
-    (0..field.sampled)
+    (0..field.sampled.count)
         .into_par_iter()
         .map(|shell| {
-            let radius = SPACING * (shell as f32 + 0.5);
+            let radius = field.sampled.spacing * (shell as f32 + 0.5);
             let error = |number: usize| {
                 // A spiral of equal areas.
                 let (u, z) = (0.618_034 * number as f32 % 1.0, 1.0 - (2.0 * number as f32 + 1.0) / POINTS as f32);

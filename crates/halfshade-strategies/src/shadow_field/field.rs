@@ -11,9 +11,6 @@ use halfshade_scene::{Mesh, Progress, clusters::bounding_sphere};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// Distance between shells, and the radius of the first, in radii of the object's bounding sphere [Tamura2006, 6].
-pub(super) const SPACING: f32 = 0.2;
-
 /// What one object hides, around it.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Field<S> {
@@ -24,8 +21,19 @@ pub(super) struct Field<S> {
     /// Of the shells, from 0, in radii of the object.
     radii: Vec<f32>,
     shells: Vec<S>,
-    /// How many shells there were, without the centre.
-    pub(super) sampled: usize,
+    /// How the shells lay that there were.
+    pub(super) sampled: Shells,
+}
+
+/// Where sample points lie.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+pub(super) struct Shells {
+    pub(super) count: usize,
+    /// Sample points along longitude, as along latitude.
+    pub(super) resolution: usize,
+    /// Distance between shells, and the radius of the first, in radii of the object's bounding sphere: 0.2 in
+    /// [Tamura2006, 6].
+    pub(super) spacing: f32,
 }
 
 /// A field as it is projected: every shell at the full resolution, in full precision.
@@ -33,6 +41,7 @@ pub(super) struct Field<S> {
 pub(super) struct Projected<V> {
     center: Vec3,
     radius: f32,
+    sampling: Shells,
     radii: Vec<f32>,
     /// The first is the centre: one point.
     shells: Vec<Grid<V>>,
@@ -57,11 +66,11 @@ pub(super) fn ball(mesh: &Mesh) -> Option<Ball> {
 }
 
 impl<V: Clone + Send + Sync> Projected<V> {
-    /// Of a mesh in `ball`: so many shells, with so many sample points along longitude and latitude.
+    /// Of a mesh in `ball`.
     pub(super) fn new<B: Basis<Vector = V>>(
         basis: &B,
         (rays, ball): (&TriangleRays, Ball),
-        (shells, resolution): (usize, usize),
+        sampling: Shells,
         progress: &dyn Progress,
     ) -> Self {
         let at = |radius: f32, resolution: usize| {
@@ -72,14 +81,14 @@ impl<V: Clone + Send + Sync> Projected<V> {
             let samples = (0..resolution * resolution).into_par_iter().map(sample).collect();
             Grid { resolution, samples }
         };
-        let radii: Vec<f32> = (0..=shells).map(|number| SPACING * number as f32).collect();
+        let radii: Vec<f32> = (0..=sampling.count).map(|number| sampling.spacing * number as f32).collect();
         let grid = |(number, &radius): (usize, &f32)| {
-            let grid = at(radius, if number == 0 { 1 } else { resolution });
+            let grid = at(radius, if number == 0 { 1 } else { sampling.resolution });
             progress.advance(u64::from(number > 0));
             grid
         };
         let shells = radii.par_iter().enumerate().map(grid).collect();
-        Self { center: ball.center, radius: ball.radius, radii, shells }
+        Self { center: ball.center, radius: ball.radius, sampling, radii, shells }
     }
 }
 
@@ -91,7 +100,7 @@ impl<S: Shell> Field<S> {
         thinning: Thinning,
         storage: Storage,
     ) -> Self {
-        let Projected { center, radius, radii, shells } = projected;
+        let Projected { center, radius, sampling, radii, shells } = projected;
         let all = || (0..shells.len()).collect();
         let (kept, shells): (Vec<usize>, Vec<S>) = match thinning.threshold {
             Some(threshold) => {
@@ -103,9 +112,8 @@ impl<S: Shell> Field<S> {
             }
             None => (all(), shells.iter().map(|grid| S::store(basis, grid, storage)).collect()),
         };
-        let sampled = radii.len() - 1;
         let radii = kept.iter().map(|&number| radii[number]).collect();
-        Self { center: *center, radius: *radius, radii, shells, sampled }
+        Self { center: *center, radius: *radius, radii, shells, sampled: *sampling }
     }
 
     /// Memory that it takes.
@@ -115,9 +123,9 @@ impl<S: Shell> Field<S> {
 
     /// Of every shell that was sampled, from inside out, the points along longitude that are left; 0: the shell is gone.
     pub(super) fn resolutions(&self) -> Vec<usize> {
-        let mut resolutions = vec![0; self.sampled];
+        let mut resolutions = vec![0; self.sampled.count];
         for (radius, shell) in self.radii.iter().zip(&self.shells).skip(1) {
-            let number = (radius / SPACING).round() as usize;
+            let number = (radius / self.sampled.spacing).round() as usize;
             resolutions[number - 1] = shell.resolution();
         }
         resolutions

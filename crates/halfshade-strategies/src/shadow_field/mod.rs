@@ -1,6 +1,6 @@
 //! Adaptive shadow fields \[Tamura2006\]: what an object hides is precomputed at points around it, and shading multiplies.
 //!
-//! Around every object lie concentric shells (section 6: radii 0.2 R (1 + c), R that of the object's bounding sphere). At
+//! Around every object lie concentric shells (section 6: radii 0.2 R (1 + c), c from 0, R that of the object's bounding sphere). At
 //! points on them, by latitude and longitude, an *object occlusion field* holds the visibility that the object leaves, as a
 //! vector of spherical harmonics (`occlusion`). Each shell is thinned out as far as interpolation allows (`adaptive`,
 //! equation 1), and coefficients are stored in 8 bits (`field`). What an object hides from itself is precomputed at its
@@ -31,11 +31,12 @@ mod field;
 mod haar;
 mod sh;
 mod shells;
+mod traced;
 mod vertices;
 
-use baking::Baking;
+use baking::{Baking, Source};
 use basis::Storage;
-use field::Thinning;
+use field::{Shells, Thinning};
 use halfshade_scene::{Cache, Progress, Scene};
 use halfshade_strategy::{Baked, Effect, Effects, Info, Parameter, ParameterKind, Params, Strategy, StrategyError};
 
@@ -68,6 +69,11 @@ impl Strategy for ShadowField {
                 parameter("bands", "SH: bands of visibility", ParameterKind::Integer { default: 4, min: 1, max: 8 }),
                 parameter("shells", "concentric shells", ParameterKind::Integer { default: 32, min: 1, max: 128 }),
                 parameter(
+                    "spacing",
+                    "distance between shells, in radii of their object",
+                    ParameterKind::Float { default: 0.2, min: 0.01, max: 2.0 },
+                ),
+                parameter(
                     "resolution",
                     "sample points per shell, in longitude as in latitude; rounded up to a power of two",
                     ParameterKind::Integer { default: 64, min: 1, max: 256 },
@@ -79,8 +85,12 @@ impl Strategy for ShadowField {
                 ),
                 parameter(
                     "sampling",
-                    "shells as dense as the threshold asks for, and only those that it asks for, or all at the full resolution",
-                    ParameterKind::Choice { values: &["adaptive", "adaptive-shells", "fixed"], default: "adaptive" },
+                    "shells as dense as the threshold asks for; only those that it asks for; all at the full resolution; no \
+                     fields but rays at the receiver, for each object or, without products, for all together",
+                    ParameterKind::Choice {
+                        values: &["adaptive", "adaptive-shells", "fixed", "traced", "together"],
+                        default: "adaptive",
+                    },
                 ),
                 parameter(
                     "threshold",
@@ -123,13 +133,22 @@ impl Strategy for ShadowField {
     }
 
     fn bake(&self, scene: &Scene, params: &Params, progress: &dyn Progress) -> Result<Box<dyn Baked>, StrategyError> {
+        let sampling = params.choice("sampling");
         let baking = Baking {
             cache: &self.cache,
-            shells: params.integer("shells") as usize,
-            resolution: (params.integer("resolution") as usize).next_power_of_two(),
+            sampling: Shells {
+                count: params.integer("shells") as usize,
+                resolution: (params.integer("resolution") as usize).next_power_of_two(),
+                spacing: params.float("spacing") as f32,
+            },
             thinning: Thinning {
-                threshold: (params.choice("sampling") != "fixed").then(|| params.float("threshold")),
-                drops_shells: params.choice("sampling") == "adaptive-shells",
+                threshold: (sampling != "fixed").then(|| params.float("threshold")),
+                drops_shells: sampling == "adaptive-shells",
+            },
+            source: match sampling {
+                "traced" => Source::Traced,
+                "together" => Source::Together,
+                _ => Source::Fields,
             },
             storage: match params.choice("storage") {
                 "f32" => Storage::F32,

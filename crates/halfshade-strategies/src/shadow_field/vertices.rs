@@ -26,6 +26,10 @@ impl OwnRays {
         Self { rays, lift }
     }
 
+    pub(super) fn rays(&self) -> &TriangleRays {
+        &self.rays
+    }
+
     /// Whether the mesh hides `direction` from a point of its surface. Below the tangent plane nothing is asked.
     pub(super) fn blocked(&self, position: Vec3, normal: Vec3, direction: Vec3) -> bool {
         direction.dot(normal) > 0.0 && self.rays.blocked(position, self.lift * normal, direction, f32::INFINITY)

@@ -14,10 +14,11 @@ mod turn;
 
 use super::{
     arrangement::Arrangement,
-    baking::Baking,
+    baking::{Baking, Source},
     basis::rays,
     details::{details, distinct},
     field::{Field, Projected, ball},
+    traced::Traced,
     vertices::own_blocked,
 };
 use halfshade_scene::{Environment, Frame, Progress, RadianceMut, Receivers, Scene};
@@ -40,21 +41,24 @@ enum Product {
 }
 
 /// What is known of one mesh.
-#[derive(Debug)]
 struct Known {
     field: Option<Field<HaarShell>>,
+    /// Instead of a field.
+    traced: Option<Arc<Traced>>,
     /// Per vertex.
     own: Rows,
 }
 
 /// Fields of the scene, light and places of the frame.
 struct HaarFields {
+    source: Source,
     basis: HaarBasis,
     product: Product,
     /// Of the texels: x, y, z.
     directions: [Vec<f32>; 3],
     /// Per object.
     known: Vec<Arc<Known>>,
+    traced: Vec<Option<Arc<Traced>>>,
     /// Radiance times solid angle per texel: red, green, blue; and what it is of.
     light: [Vec<f32>; 3],
     known_light: Option<Environment>,
@@ -74,28 +78,32 @@ pub(super) fn bake(
     let basis = HaarBasis::new(face, kept);
     let (known, arrangement) = baking.every_mesh(scene, progress, |mesh| {
         let key = |kind| baking.key(kind, mesh).value(&(face, kept, baking.storage));
-        let sampling = (baking.shells, baking.resolution);
-        let field = match ball(mesh) {
-            Some(ball) => {
+        let sampling = baking.sampling;
+        let ball = ball(mesh);
+        let traced = baking.traced(mesh, ball);
+        let field = match ball {
+            Some(ball) if traced.is_none() => {
                 // As stored: what is projected would fill disks.
                 let key = key("shadow-field-haar").value(&(sampling, baking.thinning));
-                Some(baking.cached(&key, (baking.shells, progress), || {
+                Some(baking.cached(&key, (sampling.count, progress), || {
                     let projected = Projected::new(&basis, (&rays(mesh), ball), sampling, progress);
                     Field::new(&basis, &projected, baking.thinning, baking.storage)
                 })?)
             }
-            None => None,
+            _ => None,
         };
         let own = baking.cached(&key("own-occlusion-haar"), (0, progress), || {
             Rows::store(basis.cube, &own_blocked(&basis, mesh), baking.storage)
         })?;
-        Ok(Known { field, own })
+        Ok(Known { field, traced, own })
     })?;
     let directions = std::array::from_fn(|axis| basis.directions.iter().map(|direction| direction[axis]).collect());
     Ok(Box::new(HaarFields {
+        source: baking.source,
         basis,
         product: if params.choice("product") == "wavelets" { Product::Wavelets } else { Product::Texels },
         directions,
+        traced: known.iter().map(|known| known.traced.clone()).collect(),
         known,
         light: Default::default(),
         known_light: None,

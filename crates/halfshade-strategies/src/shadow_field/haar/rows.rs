@@ -18,6 +18,13 @@ impl Sum {
         Self { cube, values: vec![0.0; cube.len()], faces: 0 }
     }
 
+    /// Adds a vector.
+    pub(super) fn add(&mut self, vector: &Sparse) {
+        vector.add_to(&mut self.values, 1.0);
+        let face = |index: &u16| usize::from(*index) / self.cube.face_len();
+        self.faces |= vector.indices.iter().fold(0, |faces, index| faces | 1 << face(index));
+    }
+
     pub(super) fn clear(&mut self) {
         for (face, values) in self.values.chunks_exact_mut(self.cube.face_len()).enumerate() {
             if self.faces & (1 << face) != 0 {

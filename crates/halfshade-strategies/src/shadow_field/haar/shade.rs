@@ -6,7 +6,11 @@ use super::{
     rows::Sum,
     sparse::{forward, inverse},
 };
-use crate::shadow_field::arrangement::{Entity, LocalLight};
+use crate::shadow_field::{
+    arrangement::{Entity, LocalLight, splat_in_object},
+    baking::Source,
+    traced::{self, Point},
+};
 use glam::Vec3;
 use halfshade_scene::{RadianceMut, Receivers};
 use halfshade_sh::haar::{product::product, transform};
@@ -55,26 +59,40 @@ impl Scratch {
         for i in range {
             let position = arrangement.point(receivers.position_at(i).as_dvec3());
             let lanes = position.map(f32x8::splat);
-            self.set_cosine(fields, arrangement.direction(receivers.normal_at(i)));
-            let local = arrangement.places[object].in_object(&lanes).map(|axis| axis.as_array()[0]);
-            if let Some((vertex, _)) = arrangement.vertex(object, receivers.index[i], local.into()) {
+            let normal = arrangement.direction(receivers.normal_at(i));
+            self.set_cosine(fields, normal);
+            let local = splat_in_object(&arrangement.places[object], position);
+            if let Some((vertex, _)) = arrangement.vertex(object, receivers.index[i], local) {
                 fields.known[object].own.add(vertex, 1.0, &mut self.blocked);
                 self.hide(fields, object);
             }
             let mut radiance = Vec3::ZERO;
-            for entity in arrangement.order(object, part) {
+            let order = arrangement.order(object, part);
+            let point = Point { object, position, normal };
+            for (number, entity) in order.iter().enumerate() {
                 match *entity {
+                    Entity::Object(_) if fields.source == Source::Together => {}
                     Entity::Object(other) => {
-                        let Some(field) = &fields.known[other].field else { continue };
-                        let [distance, u, v] = arrangement.places[other].on_shells(&lanes).map(|x| x[0]);
-                        field.add_at(distance, u, v, &mut self.blocked);
+                        let (known, place) = (&fields.known[other], &arrangement.places[other]);
+                        if let Some(field) = &known.field {
+                            let [distance, u, v] = place.on_shells(&lanes).map(|x| x[0]);
+                            field.add_at(distance, u, v, &mut self.blocked);
+                        } else if let Some(traced) = &known.traced {
+                            self.blocked.add(&traced.blocked_from(&fields.basis, splat_in_object(place, position)));
+                        }
                         self.hide(fields, other);
                     }
-                    Entity::Light(number) => {
-                        let light = &arrangement.lights[number];
+                    Entity::Light(light) => {
+                        if fields.source == Source::Together {
+                            self.set_together(fields, point, &order[..number]);
+                        }
+                        let light = &arrangement.lights[light];
                         radiance += self.reached(fields, light, position) * Vec3::from(light.radiance);
                     }
                 }
+            }
+            if fields.source == Source::Together {
+                self.set_together(fields, point, order);
             }
             let texels = self.texels(fields);
             radiance += Vec3::from(std::array::from_fn(|channel| dot(texels, &fields.light[channel])));
@@ -87,6 +105,17 @@ impl Scratch {
         let [x, y, z] = &fields.directions;
         for (((unit, x), y), z) in self.unit.iter_mut().zip(x).zip(y).zip(z) {
             *unit = FRAC_1_PI * (x * normal.x + y * normal.y + z * normal.z).max(0.0);
+        }
+        if fields.product == Product::Wavelets {
+            forward(fields.basis.cube, &mut self.unit);
+        }
+    }
+
+    /// U = V ρ̂ with all that hides at once.
+    fn set_together(&mut self, fields: &HaarFields, point: Point, nearer: &[Entity]) {
+        let reached = traced::reached(&fields.arrangement, &fields.traced, point, nearer);
+        for (unit, &direction) in self.unit.iter_mut().zip(&fields.basis.directions) {
+            *unit = reached(direction);
         }
         if fields.product == Product::Wavelets {
             forward(fields.basis.cube, &mut self.unit);

@@ -6,10 +6,11 @@ mod shell;
 
 use super::{
     arrangement::Arrangement,
-    baking::Baking,
+    baking::{Baking, Source},
     basis::{Basis, rays},
     details::{details, distinct},
     field::{Field, Projected, ball},
+    traced::Traced,
     vertices::{OwnRays, own_blocked},
 };
 use halfshade_scene::{Environment, Frame, Mesh, Progress, RadianceMut, Receivers, Scene, light::DistantLight};
@@ -36,17 +37,18 @@ enum OwnKind {
 }
 
 /// What is known of one mesh.
-#[derive(Debug)]
 struct Known {
     field: Option<Field<ShShell>>,
+    /// Instead of a field.
+    traced: Option<Arc<Traced>>,
     /// Vectors of the vertices, one after another.
     own: Vec<f32>,
 }
 
 /// Fields of the scene, light and places of the frame.
-#[derive(Debug)]
 struct ShFields {
     bands: usize,
+    source: Source,
     basis: ShBasis,
     own_kind: OwnKind,
     table: BlockerTable,
@@ -54,6 +56,7 @@ struct ShFields {
     cosine: Vec<f32>,
     /// Per object.
     known: Vec<Arc<Known>>,
+    traced: Vec<Option<Arc<Traced>>>,
     /// S_d: coefficient by coefficient, red, green, blue; and what it is of.
     light: Vec<[f32; 3]>,
     known_light: Option<Environment>,
@@ -83,31 +86,35 @@ pub(super) fn bake(
     let basis = ShBasis::new(bands, map as usize);
     let (known, arrangement) = baking.every_mesh(scene, progress, |mesh| {
         let key = |kind| baking.key(kind, mesh).value(&(bands, map));
-        let sampling = (baking.shells, baking.resolution);
-        let field = match ball(mesh) {
-            Some(ball) => {
+        let sampling = baking.sampling;
+        let ball = ball(mesh);
+        let traced = baking.traced(mesh, ball);
+        let field = match ball {
+            Some(ball) if traced.is_none() => {
                 // As projected, so that another threshold needs no rays.
                 let key = key("shadow-field-sh").value(&sampling);
-                let projected = baking.cached(&key, (baking.shells, progress), || {
+                let projected = baking.cached(&key, (sampling.count, progress), || {
                     Projected::new(&basis, (&rays(mesh), ball), sampling, progress)
                 })?;
                 Some(Field::new(&basis, &projected, baking.thinning, baking.storage))
             }
-            None => None,
+            _ => None,
         };
         let key = key("own-occlusion-sh").value(&(own_kind == OwnKind::Transfer));
         let own = baking.cached(&key, (0, progress), || match own_kind {
             OwnKind::Blocked => own_blocked(&basis, mesh).concat(),
             OwnKind::Transfer => own_transfer(&basis, mesh).concat(),
         })?;
-        Ok(Known { field, own })
+        Ok(Known { field, traced, own })
     })?;
     Ok(Box::new(ShFields {
         bands,
+        source: baking.source,
         basis,
         own_kind,
         table,
         cosine: zonal::reflectance(bands).into_iter().map(|value| value as f32).collect(),
+        traced: known.iter().map(|known| known.traced.clone()).collect(),
         known,
         light: Vec::new(),
         known_light: None,

@@ -1,7 +1,12 @@
 //! Shading as in [Tamura2006, figure 3], eight receivers side by side, one entity after another.
 
 use super::{OwnKind, ShFields, shell::MOST};
-use crate::shadow_field::arrangement::{Entity, LocalLight};
+use crate::shadow_field::{
+    arrangement::{Entity, LocalLight},
+    baking::Source,
+    basis::Basis,
+    traced::{Point, reached as reached_together},
+};
 use glam::Vec3;
 use halfshade_scene::{RadianceMut, Receivers};
 use halfshade_sh::kernel::{self, FULL, LANES, ShBatch};
@@ -33,19 +38,37 @@ fn shade_part<const N: usize>(
         let position: [f32x8; 3] = std::array::from_fn(|axis| f32x8::from(positions.map(|p| p[axis])));
         let mut unit = own::<N>(fields, object, receivers, &position, lane);
         let mut radiance = [f32x8::ZERO; 3];
-        for entity in arrangement.order(object, part) {
+        let order = arrangement.order(object, part);
+        let together = |nearer: &[Entity]| {
+            let mut unit = [[0.0_f32; LANES]; N];
+            for k in 0..lanes {
+                let normal = arrangement.direction(receivers.normal_at(lane(k)));
+                let point = Point { object, position: positions[k], normal };
+                let vector = fields.basis.project(&reached_together(arrangement, &fields.traced, point, nearer));
+                unit.iter_mut().zip(vector).for_each(|(row, value)| row[k] = value);
+            }
+            unit.map(f32x8::from)
+        };
+        for (number, entity) in order.iter().enumerate() {
             match *entity {
+                Entity::Object(_) if fields.source == Source::Together => {}
                 Entity::Object(other) => {
-                    if fields.known[other].field.is_some() {
-                        unit = kernel::product(&visible::<N>(fields, other, &position), &unit);
+                    if let Some(visible) = visible::<N>(fields, other, &position) {
+                        unit = kernel::product(&visible, &unit);
                     }
                 }
-                Entity::Light(number) => {
-                    let light = &arrangement.lights[number];
+                Entity::Light(light) => {
+                    if fields.source == Source::Together {
+                        unit = together(&order[..number]);
+                    }
+                    let light = &arrangement.lights[light];
                     let reached = reached::<N>(fields, light, &position, &unit);
                     (0..3).for_each(|c| radiance[c] += reached * f32x8::splat(light.radiance[c]));
                 }
             }
+        }
+        if fields.source == Source::Together {
+            unit = together(order);
         }
         for (values, weights) in unit.iter().zip(&fields.light) {
             (0..3).for_each(|c| radiance[c] = values.mul_add(f32x8::splat(weights[c]), radiance[c]));
@@ -88,19 +111,28 @@ fn own<const N: usize>(
     std::array::from_fn(|i| found.select(unit[i], cosine[i]))
 }
 
-/// What an object leaves visible of eight places, in light space.
+/// What an object leaves visible of eight places, in light space; `None` if it hides nothing.
 #[inline(never)]
-fn visible<const N: usize>(fields: &ShFields, object: usize, position: &[f32x8; 3]) -> ShBatch<N> {
+fn visible<const N: usize>(fields: &ShFields, object: usize, position: &[f32x8; 3]) -> Option<ShBatch<N>> {
     let mut local = [[0.0_f32; LANES]; N];
-    if let Some(field) = &fields.known[object].field {
-        let [distance, u, v] = fields.arrangement.places[object].on_shells(position);
+    let place = &fields.arrangement.places[object];
+    let mut set = |k: usize, blocked: &[f32]| local.iter_mut().zip(blocked).for_each(|(row, &value)| row[k] = value);
+    let known = &fields.known[object];
+    if let Some(field) = &known.field {
+        let [distance, u, v] = place.on_shells(position);
         for k in 0..LANES {
             let mut blocked = [0.0; MOST];
             field.add_at(distance[k], u[k], v[k], &mut blocked);
-            local.iter_mut().zip(&blocked).for_each(|(row, &value)| row[k] = value);
+            set(k, &blocked);
+        }
+    } else {
+        let traced = known.traced.as_ref()?;
+        let points = place.in_object(position).map(f32x8::to_array);
+        for k in 0..LANES {
+            set(k, &traced.blocked_from(&fields.basis, Vec3::from(points.map(|axis| axis[k]))));
         }
     }
-    one_less(&turned(&local.map(f32x8::from), &fields.rotations[object]))
+    Some(one_less(&turned(&local.map(f32x8::from), &fields.rotations[object])))
 }
 
 /// `1 - B`.

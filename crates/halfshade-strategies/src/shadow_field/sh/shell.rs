@@ -112,7 +112,7 @@ fn eight<T>(list: &[T], first: usize, value: impl Fn(&T) -> f32) -> [f32; 8] {
 mod tests {
     use super::super::super::{
         basis::{Ball, Basis, rays},
-        field::{Field, Projected, Thinning, ball},
+        field::{Field, Projected, Shells, Thinning, ball},
         shells::direction,
     };
     use super::super::basis;
@@ -123,10 +123,14 @@ mod tests {
 
     const FIXED: Thinning = Thinning { threshold: None, drops_shells: false };
 
+    fn shells(count: usize, resolution: usize) -> Shells {
+        Shells { count, resolution, spacing: 0.2 }
+    }
+
     fn baked(mesh: &Mesh, threshold: Option<f64>, storage: Storage) -> Field<ShShell> {
         let basis = basis(4, 32);
         let ball = ball(mesh).unwrap();
-        let projected = Projected::new(&basis, (&rays(mesh), ball), (12, 16), &Silent);
+        let projected = Projected::new(&basis, (&rays(mesh), ball), shells(12, 16), &Silent);
         Field::new(&basis, &projected, Thinning { threshold, drops_shells: false }, storage)
     }
 
@@ -174,7 +178,7 @@ mod tests {
             })
             .collect();
         let error = |resolution| {
-            let projected = Projected::new(&basis, (&rays(&mesh), ball), (10, resolution), &Silent);
+            let projected = Projected::new(&basis, (&rays(&mesh), ball), shells(10, resolution), &Silent);
             let field = Field::new(&basis, &projected, FIXED, Storage::F32);
             let squares = points.iter().map(|&point| {
                 let exact = exact(&mesh, &field, point, 48);
@@ -205,7 +209,7 @@ mod tests {
     fn dropped_shells_are_found_between_their_neighbours() {
         let mesh = shapes::torus(0.7, 0.3, 40, 20);
         let (basis, ball) = (basis(4, 32), ball(&mesh).unwrap());
-        let projected = Projected::new(&basis, (&rays(&mesh), ball), (24, 16), &Silent);
+        let projected = Projected::new(&basis, (&rays(&mesh), ball), shells(24, 16), &Silent);
         let field = |drops_shells| {
             Field::<ShShell>::new(&basis, &projected, Thinning { threshold: Some(0.02), drops_shells }, Storage::F32)
         };

@@ -1,0 +1,69 @@
+//! What fields stand for, found by rays at the receiver itself: slow, to tell what interpolation and products cost.
+
+use super::{
+    arrangement::{Arrangement, Entity, splat_in_object},
+    basis::{Ball, Basis},
+    vertices::OwnRays,
+};
+use glam::Vec3;
+use std::{f32::consts::FRAC_1_PI, sync::Arc};
+
+/// The triangles of one mesh.
+pub(super) struct Traced {
+    own: OwnRays,
+    ball: Ball,
+}
+
+impl Traced {
+    pub(super) fn new(own: OwnRays, ball: Ball) -> Self {
+        Self { own, ball }
+    }
+
+    /// What the mesh hides from a point, in its own space and from the middle of its ball.
+    pub(super) fn blocked_from<B: Basis>(&self, basis: &B, local: Vec3) -> B::Vector {
+        basis.blocked_from(self.own.rays(), local + self.ball.center, self.ball)
+    }
+}
+
+/// A receiver in light space.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Point {
+    pub(super) object: usize,
+    pub(super) position: [f32; 3],
+    pub(super) normal: Vec3,
+}
+
+/// What reaches a receiver at once, `V cos/π` as a function of direction in light space: V what its own object and those
+/// `nearer` leave visible.
+pub(super) fn reached(
+    arrangement: &Arrangement,
+    known: &[Option<Arc<Traced>>],
+    point: Point,
+    nearer: &[Entity],
+) -> impl Fn(Vec3) -> f32 {
+    let seen = |object: usize| {
+        let traced = known[object].clone()?;
+        let place = &arrangement.places[object];
+        let local = splat_in_object(place, point.position) + traced.ball.center;
+        Some((traced, place.turn(), local))
+    };
+    let own = seen(point.object).map(|(traced, turn, local)| (traced, turn, local, turn * point.normal));
+    let others: Vec<_> = nearer
+        .iter()
+        .filter_map(|entity| match entity {
+            Entity::Object(other) => seen(*other),
+            Entity::Light(_) => None,
+        })
+        .collect();
+    move |direction| {
+        let cosine = direction.dot(point.normal);
+        let hidden = || {
+            own.as_ref()
+                .is_some_and(|(traced, turn, local, normal)| traced.own.blocked(*local, *normal, *turn * direction))
+                || others.iter().any(|(traced, turn, local)| {
+                    traced.own.rays().blocked(*local, Vec3::ZERO, *turn * direction, f32::INFINITY)
+                })
+        };
+        if cosine <= 0.0 || hidden() { 0.0 } else { FRAC_1_PI * cosine }
+    }
+}
