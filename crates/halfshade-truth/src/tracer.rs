@@ -8,7 +8,7 @@ use crate::{
     triangle::{ShearedRay, Triangle},
 };
 use glam::{DVec3, Vec3, Vec3A};
-use halfshade_scene::{Camera, Frame, Object, Pose, ReceiverBuffer};
+use halfshade_scene::{Camera, Frame, Gloss, Object, Pose, ReceiverBuffer};
 use obvhs::{
     Boundable, BvhBuildParams,
     aabb::Aabb,
@@ -40,6 +40,8 @@ pub struct Surface {
     pub normal: Vec3,
     /// Albedo.
     pub albedo: Vec3,
+    /// Gloss, relative to the object's material.
+    pub gloss: Gloss,
     /// The object's place in `scene.objects`.
     pub object: u32,
 }
@@ -234,6 +236,7 @@ impl Tracer {
             position,
             normal: if turned { -normal } else { normal },
             albedo: object.albedo_at(hit.triangle as usize, hit.barycentrics.as_dvec3()),
+            gloss: object.gloss_at(hit.triangle as usize, hit.barycentrics.as_dvec3()),
             object: hit.object,
         }
     }
