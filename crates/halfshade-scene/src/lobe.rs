@@ -1,6 +1,7 @@
 //! Cosine lobes: what every reflectance model comes down to once the eye is known.
 
 use glam::{DVec3, Vec3};
+use std::f32::consts::FRAC_1_PI;
 use std::f64::consts::TAU;
 use std::ops::Deref;
 
@@ -29,19 +30,29 @@ pub struct Lobe {
 }
 
 impl Lobe {
-    /// `max(axis · v, 0)^exponent`, with its cosine if there is one, for unit `normal` and `direction`; 0 below the
-    /// horizon. In [0, 1].
+    /// The diffuse part of a surface as a lobe, `albedo/π · max(n · v, 0)` [Meunier2009, eq. 26].
+    pub fn diffuse(albedo: Vec3, normal: Vec3) -> Self {
+        Self { axis: normal, exponent: 1.0, scale: FRAC_1_PI * albedo, times_cosine: false }
+    }
+
+    /// `max(axis · v, 0)^exponent` for a unit `direction` v: neither cosine nor horizon. In [0, 1].
     ///
     /// The cosine is had from the distance of the two unit vectors: an axis whose length is off by a rounding of single
     /// precision would otherwise change a power of 10^5 by a percent.
+    pub fn power(&self, direction: DVec3) -> f64 {
+        let below_one = 0.5 * self.axis.as_dvec3().distance_squared(direction);
+        if below_one < 1.0 { (f64::from(self.exponent) * (-below_one).ln_1p()).exp() } else { 0.0 }
+    }
+
+    /// What `scale` is multiplied by: [`Self::power`] with its cosine if there is one, for unit `normal` and `direction`;
+    /// 0 below the horizon. In [0, 1].
     pub fn shape(&self, normal: DVec3, direction: DVec3) -> f64 {
         let above = normal.dot(direction);
-        let below_one = 0.5 * self.axis.as_dvec3().distance_squared(direction);
-        if above.is_nan() || above <= 0.0 || below_one.is_nan() || below_one >= 1.0 {
-            return 0.0;
+        match (above > 0.0, self.times_cosine) {
+            (false, _) => 0.0,
+            (true, false) => self.power(direction),
+            (true, true) => above * self.power(direction),
         }
-        let power = (f64::from(self.exponent) * (-below_one).ln_1p()).exp();
-        if self.times_cosine { above * power } else { power }
     }
 
     /// `∫ max(axis · v, 0)^exponent dv` over all directions, `2π/(exponent + 1)`: no horizon and no cosine.
@@ -50,24 +61,27 @@ impl Lobe {
     }
 }
 
-/// The lobes of one receiver beside its diffuse one: a short list that needs no allocation.
+/// How many lobes a list holds: the diffuse one may join.
+const CAPACITY: usize = MAX_LOBES + 1;
+
+/// The lobes of one receiver: a short list that needs no allocation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lobes {
-    lobes: [Lobe; MAX_LOBES],
+    lobes: [Lobe; CAPACITY],
     count: usize,
 }
 
 impl Lobes {
     /// None: a diffuse receiver, or one that is turned away from the eye.
     pub const NONE: Self = Self {
-        lobes: [Lobe { axis: Vec3::Y, exponent: 0.0, scale: Vec3::ZERO, times_cosine: false }; MAX_LOBES],
+        lobes: [Lobe { axis: Vec3::Y, exponent: 0.0, scale: Vec3::ZERO, times_cosine: false }; CAPACITY],
         count: 0,
     };
 
-    /// Adds a lobe, unless it is black, isn't finite, or there are [`MAX_LOBES`] already.
+    /// Adds a lobe, unless it is black, isn't finite, or there are [`MAX_LOBES`] and a diffuse one already.
     pub fn push(&mut self, lobe: Lobe) {
         let sound = lobe.axis.is_finite() && lobe.scale.is_finite() && lobe.exponent.is_finite();
-        if sound && lobe.scale != Vec3::ZERO && self.count < MAX_LOBES {
+        if sound && lobe.scale != Vec3::ZERO && self.count < CAPACITY {
             self.lobes[self.count] = lobe;
             self.count += 1;
         }
@@ -144,8 +158,8 @@ mod tests {
         lobes.push(Lobe { scale: Vec3::ZERO, ..lobe });
         lobes.push(Lobe { scale: Vec3::splat(f32::INFINITY), ..lobe });
         assert!(lobes.is_empty());
-        (0..MAX_LOBES + 1).for_each(|_| lobes.push(lobe));
-        assert_eq!(lobes.len(), MAX_LOBES);
-        assert_eq!(lobes.value(DVec3::Y, DVec3::new(0.8, 0.6, 0.0)), DVec3::splat(MAX_LOBES as f64));
+        (0..CAPACITY + 1).for_each(|_| lobes.push(lobe));
+        assert_eq!(lobes.len(), CAPACITY);
+        assert_eq!(lobes.value(DVec3::Y, DVec3::new(0.8, 0.6, 0.0)), DVec3::splat(CAPACITY as f64));
     }
 }
