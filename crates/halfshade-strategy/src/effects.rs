@@ -71,6 +71,11 @@ impl Effects {
         Self(bits)
     }
 
+    /// The set and `effect`.
+    pub const fn with(self, effect: Effect) -> Self {
+        Self(self.0 | 1 << effect as u32)
+    }
+
     /// Whether `effect` is in the set.
     pub const fn contains(self, effect: Effect) -> bool {
         self.0 & (1 << effect as u32) != 0
