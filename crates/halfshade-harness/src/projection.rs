@@ -3,7 +3,7 @@
 use crate::image_io::Picture;
 use glam::Vec3;
 use halfshade_scene::{Camera, Frame, RadianceBuffer, ReceiverBuffer};
-use halfshade_truth::Tracer;
+use halfshade_truth::{Surface, Tracer};
 
 /// Camera rays per pixel and axis where receivers are vertices: edges are smoothed, at no cost in receivers.
 const SUPERSAMPLE: u32 = 2;
@@ -49,8 +49,8 @@ impl Projection {
             hit.map(|hit| {
                 let (column, row) = (pixel % width, pixel / width);
                 let direction = camera.ray_direction(column as f32 + 0.5, row as f32 + 0.5);
-                let surface = tracer.surface_at(&hit, direction);
-                receivers.push(surface.position, surface.normal, surface.albedo, surface.object);
+                let Surface { position, normal, albedo, gloss, object } = tracer.surface_at(&hit, direction);
+                receivers.push_glossy(position, normal, albedo, object, gloss);
                 ([receivers.len() as u32 - 1; 3], Vec3::X)
             })
         });

@@ -119,6 +119,16 @@ fn key(frame: &Frame<'_>, receivers: Receivers<'_>, options: &Options) -> CacheK
             key = key.value(&(sphere.center, sphere.radius));
         }
     }
+    if frame.scene.is_glossy() {
+        let eye = frame.scene.camera.eye;
+        key = key.value(&(eye, receivers.object, receivers.specular_factor, receivers.exponent_factor));
+        for object in &frame.scene.objects {
+            key = key.bytes(format!("{:?}", object.material.reflectance).as_bytes());
+            if options.bounces > 0 {
+                key = key.bytes(format!("{:?}", object.material.gloss_variation).as_bytes());
+            }
+        }
+    }
     if options.bounces > 0 {
         for (number, object) in frame.scene.objects.iter().enumerate() {
             let mesh = &object.mesh;

@@ -1,10 +1,10 @@
 //! How a surface reflects.
 
-use crate::Texture;
+use crate::{GlossVariation, Reflectance, Texture};
 use glam::Vec3;
 use std::sync::Arc;
 
-/// A diffuse surface: outgoing radiance is `albedo / π` times irradiance.
+/// A surface. Its diffuse part reflects `albedo / π` times irradiance; what it reflects besides is its [`Reflectance`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
     /// Reflected fraction per channel, in [0, 1]. Multiplied by the mesh's vertex colours and by a texture where there
@@ -12,12 +12,26 @@ pub struct Material {
     pub albedo: Vec3,
     /// Takes the place of the mesh's own textures.
     pub texture: Option<Arc<Texture>>,
+    /// What it reflects beside its diffuse part.
+    pub reflectance: Reflectance,
+    /// How that varies over the surface, if it does.
+    pub gloss_variation: Option<Arc<GlossVariation>>,
 }
 
 impl Material {
-    /// A material without a texture of its own.
+    /// A diffuse material without a texture of its own.
     pub const fn new(albedo: Vec3) -> Self {
-        Self { albedo, texture: None }
+        Self { albedo, texture: None, reflectance: Reflectance::Lambert, gloss_variation: None }
+    }
+
+    /// Whether it reflects anything beside its diffuse part.
+    pub fn is_glossy(&self) -> bool {
+        self.reflectance.is_glossy()
+    }
+
+    /// The variation of a glossy material, if it has one.
+    pub(crate) fn varied_gloss(&self) -> Option<&GlossVariation> {
+        self.gloss_variation.as_deref().filter(|_| self.is_glossy())
     }
 }
 

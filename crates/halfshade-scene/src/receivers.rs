@@ -1,6 +1,6 @@
 //! Receivers: the points whose outgoing radiance is asked for, as structures of arrays.
 
-use crate::Frame;
+use crate::{Frame, Gloss};
 use glam::{Mat3, Vec3};
 use std::ops::Range;
 
@@ -17,9 +17,13 @@ pub struct ReceiverBuffer {
     pub object: Vec<u32>,
     /// A number that is stable within the scene: for a vertex receiver its vertex, counted over all objects.
     pub index: Vec<u32>,
+    /// Factors of the specular scale, red, green, blue ([`Gloss`]); empty unless gloss varies over some object.
+    pub specular_factor: [Vec<f32>; 3],
+    /// Factor of the exponents; empty unless gloss varies over some object.
+    pub exponent_factor: Vec<f32>,
 }
 
-/// A borrowed batch of receivers; every slice has the same length.
+/// A borrowed batch of receivers; every slice has the same length, or is empty where it says so.
 #[derive(Debug, Clone, Copy)]
 pub struct Receivers<'a> {
     /// Positions in world space: x, y, z.
@@ -32,6 +36,10 @@ pub struct Receivers<'a> {
     pub object: &'a [u32],
     /// Stable numbers.
     pub index: &'a [u32],
+    /// Factors of the specular scale; all empty unless gloss varies over some object. See [`Receivers::gloss_at`].
+    pub specular_factor: [&'a [f32]; 3],
+    /// Factor of the exponents; empty unless gloss varies over some object.
+    pub exponent_factor: &'a [f32],
 }
 
 impl ReceiverBuffer {
@@ -44,6 +52,7 @@ impl ReceiverBuffer {
             albedo: std::array::from_fn(|_| Vec::with_capacity(count)),
             object: Vec::with_capacity(count),
             index: (0..count as u32).collect(),
+            ..Self::default()
         };
         for (number, object) in frame.scene.objects.iter().enumerate() {
             let mesh = &object.mesh;
@@ -53,8 +62,18 @@ impl ReceiverBuffer {
                 buffer.object.push(number as u32);
             }
         }
+        if frame.scene.objects.iter().any(|object| object.material.varied_gloss().is_some()) {
+            for object in &frame.scene.objects {
+                (0..object.mesh.positions.len()).for_each(|vertex| buffer.push_factors(object.gloss_at_vertex(vertex)));
+            }
+        }
         buffer.move_vertices(frame);
         buffer
+    }
+
+    fn push_factors(&mut self, gloss: Gloss) {
+        self.specular_factor.iter_mut().zip(gloss.specular.to_array()).for_each(|(channel, value)| channel.push(value));
+        self.exponent_factor.push(gloss.exponent);
     }
 
     /// Makes this [`ReceiverBuffer::vertices`] of `frame`, given that it was that of another frame of the same scene:
@@ -97,11 +116,23 @@ impl ReceiverBuffer {
     ) -> Option<Self> {
         let mut components = position.iter().chain(&normal).chain(&albedo);
         let fits = index.len() == object.len() && components.all(|component| component.len() == object.len());
-        fits.then_some(Self { position, normal, albedo, object, index })
+        fits.then_some(Self { position, normal, albedo, object, index, ..Self::default() })
     }
 
     /// Adds one receiver; its stable number is its place.
     pub fn push(&mut self, position: Vec3, normal: Vec3, albedo: Vec3, object: u32) {
+        self.push_glossy(position, normal, albedo, object, Gloss::NEUTRAL);
+    }
+
+    /// Adds one receiver whose gloss may differ from its material's.
+    pub fn push_glossy(&mut self, position: Vec3, normal: Vec3, albedo: Vec3, object: u32, gloss: Gloss) {
+        if gloss != Gloss::NEUTRAL || !self.exponent_factor.is_empty() {
+            // Up to the first that differs, none was stored.
+            while self.exponent_factor.len() < self.len() {
+                self.push_factors(Gloss::NEUTRAL);
+            }
+            self.push_factors(gloss);
+        }
         self.index.push(self.object.len() as u32);
         self.object.push(object);
         for axis in 0..3 {
@@ -121,6 +152,14 @@ impl ReceiverBuffer {
             albedo: receivers.albedo.map(of),
             object: whole(receivers.object),
             index: whole(receivers.index),
+            specular_factor: receivers
+                .specular_factor
+                .map(|values| if values.is_empty() { Vec::new() } else { of(values) }),
+            exponent_factor: if receivers.exponent_factor.is_empty() {
+                Vec::new()
+            } else {
+                of(receivers.exponent_factor)
+            },
         }
     }
 
@@ -129,6 +168,8 @@ impl ReceiverBuffer {
         self.position.iter_mut().chain(&mut self.normal).chain(&mut self.albedo).for_each(Vec::clear);
         self.object.clear();
         self.index.clear();
+        self.specular_factor.iter_mut().for_each(Vec::clear);
+        self.exponent_factor.clear();
     }
 
     /// How many there are.
@@ -149,6 +190,8 @@ impl ReceiverBuffer {
             albedo: self.albedo.each_ref().map(Vec::as_slice),
             object: &self.object,
             index: &self.index,
+            specular_factor: self.specular_factor.each_ref().map(Vec::as_slice),
+            exponent_factor: &self.exponent_factor,
         }
     }
 }
@@ -171,7 +214,9 @@ impl<'a> Receivers<'a> {
             normal: self.normal.map(|axis| &axis[range.clone()]),
             albedo: self.albedo.map(|channel| &channel[range.clone()]),
             object: &self.object[range.clone()],
-            index: &self.index[range],
+            index: &self.index[range.clone()],
+            specular_factor: self.specular_factor.map(|channel| part(channel, &range)),
+            exponent_factor: part(self.exponent_factor, &range),
         }
     }
 
@@ -189,6 +234,19 @@ impl<'a> Receivers<'a> {
     pub fn albedo_at(&self, i: usize) -> Vec3 {
         Vec3::from(self.albedo.map(|channel| channel[i]))
     }
+
+    /// Gloss of receiver `i`, relative to the material of its object.
+    pub fn gloss_at(&self, i: usize) -> Gloss {
+        match self.exponent_factor.get(i) {
+            Some(&exponent) => Gloss { specular: Vec3::from(self.specular_factor.map(|channel| channel[i])), exponent },
+            None => Gloss::NEUTRAL,
+        }
+    }
+}
+
+/// A part of values that may all be missing.
+fn part<'a>(values: &'a [f32], range: &Range<usize>) -> &'a [f32] {
+    if values.is_empty() { values } else { &values[range.clone()] }
 }
 
 /// Owned outgoing radiance, one array per channel.
@@ -323,6 +381,19 @@ mod tests {
         let other = built("crowd");
         buffer.update_vertices(&other.frame(1));
         assert_eq!(buffer, ReceiverBuffer::vertices(&other.frame(1)));
+    }
+
+    #[test]
+    fn gloss_is_stored_from_the_first_receiver_on_that_differs() {
+        let mut buffer = ReceiverBuffer::default();
+        let gloss = Gloss { specular: Vec3::new(0.1, 0.2, 0.3), exponent: 0.5 };
+        buffer.push(Vec3::ZERO, Vec3::Y, Vec3::ONE, 0);
+        assert!(buffer.exponent_factor.is_empty());
+        buffer.push_glossy(Vec3::ZERO, Vec3::Y, Vec3::ONE, 0, gloss);
+        buffer.push(Vec3::ZERO, Vec3::Y, Vec3::ONE, 0);
+        let found = [0, 1, 2].map(|i| buffer.view().gloss_at(i));
+        assert_eq!(found, [Gloss::NEUTRAL, gloss, Gloss::NEUTRAL]);
+        assert_eq!(buffer.view().slice(1..3).gloss_at(0), gloss);
     }
 
     #[test]

@@ -1,6 +1,8 @@
 //! A scene: objects that move, light that falls on them, a camera that looks.
 
-use crate::{Camera, Deformed, Environment, Material, Mesh, Motion, Skin, SphereLight, SphereSet};
+use crate::{
+    Camera, Deformed, Environment, Gloss, GlossVariation, Material, Mesh, Motion, Skin, SphereLight, SphereSet, Texture,
+};
 use glam::{DVec3, Quat, Vec3};
 use std::sync::Arc;
 
@@ -79,12 +81,44 @@ impl Object {
         albedo
     }
 
+    /// Gloss at a vertex of the mesh.
+    pub fn gloss_at_vertex(&self, vertex: usize) -> Gloss {
+        let Some(variation) = self.material.varied_gloss() else { return Gloss::NEUTRAL };
+        let own = variation.vertices.get(vertex).copied().unwrap_or_default();
+        let coordinates = self.mesh.texture_coordinates.get(vertex);
+        own.times(coordinates.map_or(Gloss::NEUTRAL, |place| gloss_texel(variation, place.as_dvec3())))
+    }
+
+    /// Gloss on a triangle of the mesh, at the point that has these weights of its vertices.
+    pub fn gloss_at(&self, triangle: usize, weights: DVec3) -> Gloss {
+        let Some(variation) = self.material.varied_gloss() else { return Gloss::NEUTRAL };
+        let corners = self.mesh.triangles[triangle].into_iter().zip(weights.as_vec3().to_array());
+        let own = |vertex: u32| variation.vertices.get(vertex as usize).copied().unwrap_or_default();
+        let mut gloss = Gloss::NEUTRAL;
+        if !variation.vertices.is_empty() {
+            gloss = Gloss::mixed(corners.map(|(vertex, weight)| (own(vertex), weight)));
+        }
+        if !self.mesh.texture_coordinates.is_empty() {
+            let place = self.mesh.interpolated(&self.mesh.texture_coordinates, triangle, weights);
+            gloss = gloss.times(gloss_texel(variation, place));
+        }
+        gloss
+    }
+
     /// The texture at a coordinate as [`Mesh::texture_coordinates`] has them; white without one.
     fn texel(&self, coordinate: DVec3) -> Vec3 {
         let own = || self.mesh.textures.get(coordinate.z.round() as usize);
         let texture = self.material.texture.as_ref().or_else(own);
         texture.map_or(Vec3::ONE, |texture| texture.at(coordinate.truncate()))
     }
+}
+
+/// What the textures of a variation say at a coordinate.
+fn gloss_texel(variation: &GlossVariation, coordinate: DVec3) -> Gloss {
+    let at = |texture: &Option<Arc<Texture>>| {
+        texture.as_ref().map_or(Vec3::ONE, |texture| texture.at(coordinate.truncate()))
+    };
+    Gloss { specular: at(&variation.specular), exponent: at(&variation.exponent).x }
 }
 
 impl Scene {
@@ -117,6 +151,11 @@ impl Scene {
             ),
             lights: self.lights.iter().map(|(light, motion)| light.moved(&motion.at(time_secs))).collect(),
         }
+    }
+
+    /// Whether any object reflects anything beside its diffuse part.
+    pub fn is_glossy(&self) -> bool {
+        self.objects.iter().any(|object| object.material.is_glossy())
     }
 
     /// Sum of the vertices of all objects: the number of vertex receivers.

@@ -267,6 +267,14 @@ fn a_scene_file_textures_a_mesh_that_has_coordinates() {
     let buffer = halfshade_scene::ReceiverBuffer::vertices(&scene.frame(0));
     assert_eq!([0, 1, 2].map(|v| buffer.view().albedo_at(v)), [Vec3::ZERO, albedo, Vec3::ZERO]);
 
+    // The same picture for gloss: it multiplies specular scale and exponent.
+    let glossy = "[[object]]\nmesh = \"t.obj\"\nreflectance = { model = \"phong\", specular = [1, 1, 1], exponent = 9, \
+                  specular_texture = \"t.png\", exponent_texture = \"t.png\" }";
+    let glossy = file::load(&written(&folder, "g.toml", glossy.as_bytes())).unwrap();
+    let buffer = halfshade_scene::ReceiverBuffer::vertices(&glossy.frame(0));
+    let found = [0, 1].map(|v| (buffer.view().gloss_at(v).specular, buffer.view().gloss_at(v).exponent));
+    assert_eq!(found, [(Vec3::ZERO, 0.0), (Vec3::ONE, 1.0)]);
+
     let missing = read("none.png").unwrap_err().to_string();
     assert!(missing.contains("t.toml:4: ") && missing.contains("none.png: cannot be read"), "{missing}");
     let wrong = read("t.obj").unwrap_err().to_string();

@@ -15,6 +15,8 @@ pub enum Effect {
     LocalLights,
     /// Light that is not grey.
     ColouredLight,
+    /// Surfaces that reflect more into some directions than into others.
+    GlossyReflectance,
     /// Light that surfaces reflect onto each other.
     Interreflection,
     /// Poses that change between frames.
@@ -25,16 +27,17 @@ pub enum Effect {
 
 impl Effect {
     /// All of them.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::EnvironmentLight,
         Self::LocalLights,
         Self::ColouredLight,
+        Self::GlossyReflectance,
         Self::Interreflection,
         Self::Motion,
         Self::Deformation,
     ];
 
-    /// All that direct light does.
+    /// All that direct light does at diffuse surfaces.
     pub const DIRECT: [Self; 5] =
         [Self::EnvironmentLight, Self::LocalLights, Self::ColouredLight, Self::Motion, Self::Deformation];
 
@@ -44,6 +47,7 @@ impl Effect {
             Self::EnvironmentLight => "environment light",
             Self::LocalLights => "local lights",
             Self::ColouredLight => "coloured light",
+            Self::GlossyReflectance => "glossy reflectance",
             Self::Interreflection => "interreflection",
             Self::Motion => "motion",
             Self::Deformation => "deformation",
@@ -65,6 +69,11 @@ impl Effects {
             i += 1;
         }
         Self(bits)
+    }
+
+    /// The set and `effect`.
+    pub const fn with(self, effect: Effect) -> Self {
+        Self(self.0 | 1 << effect as u32)
     }
 
     /// Whether `effect` is in the set.
@@ -105,6 +114,9 @@ impl Effects {
         let lights_grey = scene.lights.iter().all(|(light, _)| is_grey(light.radiance));
         if !(base_grey && lights_grey && scene.environment.sun.is_none_or(|sun| is_grey(sun.radiance))) {
             effects.push(Effect::ColouredLight);
+        }
+        if scene.is_glossy() {
+            effects.push(Effect::GlossyReflectance);
         }
         if scene.bounces > 0 {
             effects.push(Effect::Interreflection);

@@ -117,6 +117,12 @@ impl MapSampler {
     /// Turns directions of a batch, drawn with the density cos/π, into samples: both techniques draw equally many, and
     /// the balance heuristic divides radiance times cosine by the sum of their densities.
     pub(crate) fn weigh_cosine_samples(&self, receiver: &Receiver, batch: &mut Batch) {
+        let texels = self.texels_along(batch);
+        self.weigh(receiver, &texels, batch);
+    }
+
+    /// The texels that the directions of a batch fall in.
+    pub(crate) fn texels_along(&self, batch: &Batch) -> [usize; BATCH] {
         let m = self.environment_from_world;
         let (width, height) = (self.width as f32, self.height as f32);
         let (mut columns, mut rows) = ([0.0_f32; BATCH], [0.0_f32; BATCH]);
@@ -137,13 +143,25 @@ impl MapSampler {
             let (column, row) = ((columns[k] as usize).min(self.width - 1), (rows[k] as usize).min(self.height - 1));
             texels[k] = row * self.width + column;
         }
-        self.weigh(receiver, &texels, batch);
+        texels
+    }
+
+    /// Radiance of a texel, and the density per steradian with which the map technique chooses a direction of it.
+    pub(crate) fn radiance_and_density(&self, texel: usize) -> ([f32; 3], f64) {
+        let [r, g, b, density] = self.texels[texel];
+        ([r, g, b], density.into())
     }
 
     /// Draws directions of the map technique and weighs them as [`Self::weigh_cosine_samples`] does.
+    pub(crate) fn sample(&self, receiver: &Receiver, points: &[[u32; 2]], scramble: Scramble, batch: &mut Batch) {
+        let texels = self.draw(points, scramble, batch);
+        self.weigh(receiver, &texels, batch);
+    }
+
+    /// Draws directions of the map technique; returns their texels.
     ///
     /// What fills vector registers and what searches tables are loops of their own.
-    pub(crate) fn sample(&self, receiver: &Receiver, points: &[[u32; 2]], scramble: Scramble, batch: &mut Batch) {
+    pub(crate) fn draw(&self, points: &[[u32; 2]], scramble: Scramble, batch: &mut Batch) -> [usize; BATCH] {
         let (mut across, mut down) = ([0.0_f64; BATCH], [0.0_f64; BATCH]);
         for (k, &point) in points.iter().enumerate() {
             [across[k], down[k]] = scramble.apply(point).map(unit_f64);
@@ -167,7 +185,7 @@ impl MapSampler {
             batch.direction[1][k] = x * m.x_axis.y + y * m.y_axis.y + z * m.z_axis.y;
             batch.direction[2][k] = x * m.x_axis.z + y * m.y_axis.z + z * m.z_axis.z;
         }
-        self.weigh(receiver, &texels, batch);
+        texels
     }
 
     /// Radiance of the texels that the directions fall in times cosine, over the sum of both techniques' densities.

@@ -17,7 +17,9 @@ use crate::{
     batch::{BATCH, Batch},
     caps::Caps,
     environment::LUMINANCE,
+    glossy::{GlossyIntegral, Way},
     lights::Integral,
+    mixture::Mixture,
     paths::{Orders, Paths},
     points::{MAX_POINTS, Points, Scramble},
     receiver::Receiver,
@@ -25,7 +27,7 @@ use crate::{
     tracer::{Tracer, tracing_ray},
 };
 use glam::{DVec3, Vec3A};
-use halfshade_scene::{Progress, RadianceBuffer, Receivers, spheres::AdjustRule};
+use halfshade_scene::{Lobes, Progress, RadianceBuffer, Receivers, spheres::AdjustRule};
 use rayon::prelude::*;
 use std::f64::consts::FRAC_1_PI;
 
@@ -34,6 +36,9 @@ pub const REPLICATES: usize = 16;
 
 /// Most samples per receiver and technique.
 pub const MAX_SAMPLES: usize = REPLICATES * MAX_POINTS;
+
+/// Numbers of scramblings of glossy receivers: past those of diffuse light.
+const FIRST_GLOSSY_SCRAMBLE: u32 = 1 << 22;
 
 /// Receivers per unit of parallel work.
 const CHUNK: usize = 32;
@@ -156,7 +161,8 @@ fn one_round(
 ) -> Estimate {
     let count = receivers.len();
     let shadowed = options.transport == Transport::Shadowed;
-    let table = Points::first(if shadowed { points } else { 0 });
+    let glossy = tracer.eye_lobes.is_some();
+    let table = Points::first(if shadowed || glossy { points } else { 0 });
     let on_spheres = shadowed && options.bounces > 0 && options.geometry != Geometry::Mesh;
     let sphere_albedo = on_spheres.then(|| SphereAlbedo::new(tracer));
     let depths = if shadowed { options.bounces } else { 0 };
@@ -177,33 +183,51 @@ fn one_round(
     let mut standard_error = RadianceBuffer::zeros(count);
     let (mut squares, mut unshadowed, mut rays) = (0.0, 0.0, 0);
     for (i, value) in chunks.iter().flatten().enumerate() {
-        let albedo = receivers.albedo_at(i).as_dvec3();
-        let scale = FRAC_1_PI * albedo;
-        let error = scale * value.standard_error;
-        radiance.view_mut().set(i, (scale * value.irradiance).as_vec3());
-        standard_error.view_mut().set(i, error.as_vec3());
-        squares += error.length_squared();
-        unshadowed += (scale * value.unshadowed).element_sum();
+        radiance.view_mut().set(i, value.radiance.as_vec3());
+        standard_error.view_mut().set(i, value.standard_error.as_vec3());
+        squares += value.standard_error.length_squared();
+        unshadowed += value.unshadowed.element_sum();
         rays += value.rays;
     }
     let values = (3 * count).max(1) as f64;
     Estimate {
         radiance,
         standard_error,
-        samples: if rays > 0 { points * REPLICATES } else { 0 },
+        samples: if rays > 0 || glossy { points * REPLICATES } else { 0 },
         rays,
         rms_standard_error: (squares / values).sqrt(),
         unshadowed_mean: unshadowed / values,
     }
 }
 
-/// Irradiance at one receiver.
+/// Outgoing radiance of one receiver.
 #[derive(Debug, Clone, Copy, Default)]
 struct Value {
-    irradiance: DVec3,
+    radiance: DVec3,
     standard_error: DVec3,
     unshadowed: DVec3,
     rays: u64,
+}
+
+/// Independent estimates of one quantity, and what is known of it apart from them.
+#[derive(Debug, Clone, Copy)]
+struct Parts {
+    replicates: [DVec3; REPLICATES],
+    /// Squared error that the spread of the replicates can't show.
+    floor_squared: DVec3,
+    unshadowed: DVec3,
+}
+
+impl Parts {
+    const NOTHING: Self =
+        Self { replicates: [DVec3::ZERO; REPLICATES], floor_squared: DVec3::ZERO, unshadowed: DVec3::ZERO };
+
+    fn mean_and_error(&self) -> (DVec3, DVec3) {
+        let mean = self.replicates.iter().sum::<DVec3>() / REPLICATES as f64;
+        let squares = self.replicates.iter().map(|r| (*r - mean) * (*r - mean)).sum::<DVec3>();
+        let variance = squares / (REPLICATES * (REPLICATES - 1)) as f64 + self.floor_squared;
+        (mean, variance.max(DVec3::ZERO).map(f64::sqrt))
+    }
 }
 
 /// Sums over the samples of one replicate of one integral.
@@ -251,40 +275,117 @@ impl<'a> Worker<'a> {
                 !self.caps.is_empty()
             }
         };
-
-        if !blocked {
-            let integrals = self.tracer.lights.integrals();
-            value.unshadowed = integrals.map(|integral| self.tracer.lights.unshadowed(integral, &receiver)).sum();
-            value.irradiance = value.unshadowed;
-            return value;
+        let albedo = receivers.albedo_at(i).as_dvec3();
+        let scale = FRAC_1_PI * albedo;
+        let index = receivers.index[i];
+        let lobes = self.tracer.eye_lobes.as_ref().map_or(Lobes::NONE, |lobes| lobes.at(receivers, i));
+        if lobes.is_empty() {
+            let (irradiance, error);
+            if blocked {
+                let mut parts = self.irradiance(&receiver, index, &mut value.rays);
+                for (number, replicate) in parts.replicates.iter_mut().enumerate() {
+                    *replicate += self.paths.irradiance(&receiver, index, number as u32);
+                }
+                (irradiance, error) = parts.mean_and_error();
+                value.unshadowed = scale * parts.unshadowed;
+            } else {
+                (irradiance, error) = (self.unshadowed(&receiver), DVec3::ZERO);
+                value.unshadowed = scale * irradiance;
+            }
+            (value.radiance, value.standard_error) = (scale * irradiance, scale * error);
+        } else {
+            let mut parts =
+                self.glossy(&receiver, &Mixture::new(lobes, receiver.normal), blocked, index, &mut value.rays);
+            let diffuse = if blocked {
+                self.irradiance(&receiver, index, &mut value.rays)
+            } else {
+                let irradiance = self.unshadowed(&receiver);
+                Parts { replicates: [irradiance; REPLICATES], unshadowed: irradiance, ..Parts::NOTHING }
+            };
+            parts.floor_squared += scale * scale * diffuse.floor_squared;
+            parts.unshadowed += scale * diffuse.unshadowed;
+            let all = Mixture::with_diffuse(lobes, albedo, receiver.normal);
+            for (number, replicate) in parts.replicates.iter_mut().enumerate() {
+                *replicate += scale * diffuse.replicates[number];
+                if blocked {
+                    *replicate += self.paths.radiance(&receiver, &all, index, number as u32);
+                }
+            }
+            (value.radiance, value.standard_error) = parts.mean_and_error();
+            value.unshadowed = parts.unshadowed;
         }
-        let mut replicates = [DVec3::ZERO; REPLICATES];
-        let mut floor_squared = DVec3::ZERO;
+        value.rays += std::mem::take(&mut self.paths.rays);
+        value
+    }
+
+    fn unshadowed(&self, receiver: &Receiver) -> DVec3 {
+        let lights = &self.tracer.lights;
+        lights.integrals().map(|integral| lights.unshadowed(integral, receiver)).sum()
+    }
+
+    /// Irradiance by direct light.
+    fn irradiance(&mut self, receiver: &Receiver, index: u32, rays: &mut u64) -> Parts {
+        let mut parts = Parts::NOTHING;
         for (number, integral) in self.tracer.lights.integrals().enumerate() {
-            let exact = self.tracer.lights.unshadowed(integral, &receiver);
-            value.unshadowed += exact;
-            let sums = self.sums((number as u32, integral), &receiver, receivers.index[i], &mut value.rays);
+            let exact = self.tracer.lights.unshadowed(integral, receiver);
+            parts.unshadowed += exact;
+            let sums = self.sums((number as u32, integral), receiver, index, rays);
             let points = self.points.as_slice().len() as f64;
             let [seen, all] = [0, 1].map(|j| sums.iter().map(|s| s.weight[j]).sum::<f64>());
-            for (replicate, sum) in replicates.iter_mut().zip(&sums) {
+            for (replicate, sum) in parts.replicates.iter_mut().zip(&sums) {
                 let others = all - sum.weight[1];
                 let beta = if others > 0.0 { (seen - sum.weight[0]) / others } else { 1.0 };
                 *replicate += DVec3::from(sum.seen) / points + beta * (exact - DVec3::from(sum.all) / points);
             }
             if seen == 0.0 || seen == all {
-                floor_squared += (0.5 * exact / (points * REPLICATES as f64)).powf(2.0);
+                parts.floor_squared += (0.5 * exact / (points * REPLICATES as f64)).powf(2.0);
             }
         }
-        for (number, replicate) in replicates.iter_mut().enumerate() {
-            *replicate += self.paths.irradiance(&receiver, receivers.index[i], number as u32);
+        parts
+    }
+
+    /// Radiance that the lobes reflect of direct light.
+    fn glossy(&mut self, receiver: &Receiver, mixture: &Mixture, blocked: bool, index: u32, rays: &mut u64) -> Parts {
+        let Self { tracer, options, points, caps, batch, .. } = self;
+        let mut parts = Parts::NOTHING;
+        let count = points.as_slice().len() as f64;
+        for (number, integral) in tracer.lights.integrals().enumerate() {
+            let glossy = GlossyIntegral::new(tracer, integral, receiver, mixture);
+            let mut sums = [Sums::default(); REPLICATES];
+            for (which, way) in Way::BOTH.into_iter().enumerate() {
+                for (replicate, sum) in sums.iter_mut().enumerate() {
+                    let technique = FIRST_GLOSSY_SCRAMBLE + 2 * number as u32 + which as u32;
+                    let scramble = Scramble::new(options.seed, index, technique, replicate as u32);
+                    for points in points.as_slice().chunks(BATCH) {
+                        if !glossy.sample(way, points, scramble, batch) {
+                            break;
+                        }
+                        *rays += match options.geometry {
+                            _ if !blocked => {
+                                batch.visible = [1.0; BATCH];
+                                0
+                            }
+                            Geometry::Mesh => trace_mesh(tracer, receiver.ray_origin, batch),
+                            Geometry::Spheres(_) => {
+                                caps.trace(batch);
+                                batch.len as u64
+                            }
+                        };
+                        sum.add(batch);
+                    }
+                }
+            }
+            let [seen, all] = [0, 1].map(|j| sums.iter().map(|s| s.weight[j]).sum::<f64>());
+            let unshadowed = sums.iter().map(|s| DVec3::from(s.all)).sum::<DVec3>() / (count * REPLICATES as f64);
+            for (replicate, sum) in parts.replicates.iter_mut().zip(&sums) {
+                *replicate += DVec3::from(sum.seen) / count;
+            }
+            parts.unshadowed += unshadowed;
+            if blocked && (seen == 0.0 || seen == all) {
+                parts.floor_squared += (0.5 * unshadowed / (count * REPLICATES as f64)).powf(2.0);
+            }
         }
-        value.rays += std::mem::take(&mut self.paths.rays);
-        let mean = replicates.iter().sum::<DVec3>() / REPLICATES as f64;
-        let squares = replicates.iter().map(|r| (*r - mean) * (*r - mean)).sum::<DVec3>();
-        value.irradiance = mean;
-        value.standard_error =
-            (squares / (REPLICATES * (REPLICATES - 1)) as f64 + floor_squared).max(DVec3::ZERO).map(f64::sqrt);
-        value
+        parts
     }
 
     fn sums(

@@ -16,6 +16,7 @@ use crate::{
     map_irradiance::MapIrradiance,
     points::{Scramble, unit_f32},
     receiver::Receiver,
+    source::Source,
     space::TracingSpace,
     sphere_irradiance::sphere_irradiance,
 };
@@ -74,13 +75,13 @@ pub(crate) enum Technique {
 /// A sphere or a sun as a receiver sees it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Cap {
-    axes: Axes,
+    pub(crate) axes: Axes,
     /// Distance and radius of the sphere in tracing space; infinite and 0 for a sun.
     distance: f64,
     radius: f64,
     /// 1 - cos of the angular radius: its solid angle over 2π. 2 if the receiver is inside.
-    one_minus_cosine: f64,
-    radiance: Vec3,
+    pub(crate) one_minus_cosine: f64,
+    pub(crate) radiance: Vec3,
 }
 
 impl Lights {
@@ -181,6 +182,16 @@ impl Lights {
         }
     }
 
+    /// The light of one integral as a receiver sees it, for glossy receivers.
+    pub(crate) fn source(&self, integral: Integral, receiver: &Receiver, space: &TracingSpace) -> Source<'_> {
+        match (&self.distant, self.techniques(integral, receiver, space)) {
+            (_, [Some(Technique::Cap { cap, .. } | Technique::LocalCosine { cap }), _])
+            | (_, [_, Some(Technique::Cap { cap, .. } | Technique::LocalCosine { cap })]) => Source::Cap(cap),
+            (Distant::Constant(radiance), _) => Source::Constant(*radiance),
+            (Distant::Map(map), _) => Source::Map(&map.sampler),
+        }
+    }
+
     /// Draws samples of `technique` for at most [`BATCH`] points.
     pub(crate) fn sample(
         &self,
@@ -231,8 +242,13 @@ fn sample_cosine(receiver: &Receiver, points: &[[u32; 2]], scramble: Scramble, b
 }
 
 impl Cap {
+    /// Whether the receiver is inside.
+    pub(crate) fn is_around(&self) -> bool {
+        self.distance <= self.radius
+    }
+
     /// Density per steradian of uniform directions over the cap.
-    fn density(&self) -> f64 {
+    pub(crate) fn density(&self) -> f64 {
         1.0 / (TAU * self.one_minus_cosine)
     }
 
@@ -242,6 +258,11 @@ impl Cap {
         let (distance, radius) = (self.distance as f32, self.radius as f32);
         let half_chord = (radius * radius - distance * distance * sine_squared).max(0.0).sqrt();
         distance * cosine + if distance <= radius { half_chord } else { -half_chord }
+    }
+
+    /// Length of a ray towards the light, at a cosine and squared sine to its axis.
+    pub(crate) fn ray_length(&self, cosine: f32, sine_squared: f32) -> f32 {
+        if self.distance.is_finite() { self.surface_distance(cosine, sine_squared) } else { f32::INFINITY }
     }
 
     fn sample(&self, wide: bool, receiver: &Receiver, points: &[[u32; 2]], scramble: Scramble, batch: &mut Batch) {

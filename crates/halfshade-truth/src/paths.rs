@@ -1,4 +1,4 @@
-//! Light that surfaces reflect: paths of a fixed number of diffuse bounces.
+//! Light that surfaces reflect: paths of a fixed number of bounces.
 //!
 //! ```text
 //! L_b(x) = a(x) · [ E(x)/π + ∫ L_{b-1}(hit of ω) cos θ/π dω ]        L_0(x) = a(x) · E(x)/π
@@ -10,6 +10,9 @@
 //! points in an order of its own: scramblings of one point share its binary subdivisions, and paths that took the k-th
 //! point everywhere would leave most combinations out.
 //!
+//! A path goes on from a glossy surface along a direction that all of its lobes draw, the diffuse one among them, and
+//! carries reflectance over density; direct light there is sampled by light and by reflectance (see `glossy.rs`).
+//!
 //! Both faces of a triangle reflect, as both block. On a sphere the albedo is that of the vertex of the object's mesh that
 //! is nearest to the point, from a table over directions.
 
@@ -17,12 +20,15 @@ use crate::{
     batch::Batch,
     caps::Caps,
     estimate::{Geometry, Options, trace_mesh},
-    points::{Points, Scramble, unit_f32},
+    glossy::{GlossyIntegral, Way},
+    mixture::Mixture,
+    points::{Points, Scramble, unit_f32, unit_f64},
     receiver::Receiver,
     sphere_albedo::SphereAlbedo,
     tracer::Tracer,
 };
 use glam::{DVec3, Vec3};
+use halfshade_scene::{Gloss, Lobes};
 use std::f64::consts::FRAC_1_PI;
 
 /// Numbers of scramblings: past those of direct light, and so many for each depth.
@@ -60,6 +66,8 @@ impl Orders {
 struct Met {
     receiver: Receiver,
     albedo: DVec3,
+    /// What it reflects into the path beside its diffuse part.
+    lobes: Lobes,
 }
 
 /// Traces paths from one receiver after another.
@@ -99,48 +107,128 @@ impl<'a> Paths<'a> {
         sum / (count as f64 * FRAC_1_PI)
     }
 
+    /// Radiance that a glossy receiver reflects towards the eye of light that other surfaces reflect; `mixture` holds its
+    /// diffuse lobe too.
+    pub(crate) fn radiance(&mut self, receiver: &Receiver, mixture: &Mixture, index: u32, replicate: u32) -> DVec3 {
+        if self.options.bounces == 0 {
+            return DVec3::ZERO;
+        }
+        if let Geometry::Spheres(rule) = self.options.geometry {
+            self.caps[0].adjust(self.tracer, rule, receiver);
+        }
+        let count = self.points.as_slice().len();
+        let sum: DVec3 = (0..count).map(|k| self.incident_at_lobes(receiver, mixture, 0, k, (index, replicate))).sum();
+        sum / count as f64
+    }
+
+    /// The scramblings of a path at a depth, by number.
+    fn scramble(&self, depth: usize, path: (u32, u32)) -> impl Fn(u32) -> Scramble + use<> {
+        let (first, seed) = (FIRST_SCRAMBLE + SCRAMBLES_PER_DEPTH * depth as u32, self.options.seed);
+        move |number| Scramble::new(seed, path.0, first + number, path.1)
+    }
+
     /// Radiance that arrives along the k-th path at depth `depth`.
     fn incident(&mut self, from: &Receiver, depth: usize, k: usize, path: (u32, u32)) -> DVec3 {
-        let first = FIRST_SCRAMBLE + SCRAMBLES_PER_DEPTH * depth as u32;
-        let scramble = |number| Scramble::new(self.options.seed, path.0, first + number, path.1);
         let point = self.points.as_slice()[self.orders.at(depth, 0, k)];
-        let [u, v] = scramble(0).apply(point).map(unit_f32);
+        let [u, v] = self.scramble(depth, path)(0).apply(point).map(unit_f32);
         let direction = from.axes.direction(u.sqrt(), (1.0 - u).sqrt(), v);
+        self.arriving(from, Vec3::from(direction), depth, k, path)
+    }
+
+    /// Radiance that arrives along the k-th path at depth `depth`, times the reflectance of a glossy surface over the
+    /// density with which its lobes draw the direction.
+    fn incident_at_lobes(
+        &mut self,
+        from: &Receiver,
+        mixture: &Mixture,
+        depth: usize,
+        k: usize,
+        path: (u32, u32),
+    ) -> DVec3 {
+        let point = self.points.as_slice()[self.orders.at(depth, 0, k)];
+        let direction = mixture.sample(self.scramble(depth, path)(0).apply(point).map(unit_f64));
+        let (reflectance, density) = mixture.evaluate(direction.as_dvec3());
+        if reflectance == DVec3::ZERO || density <= 0.0 {
+            return DVec3::ZERO;
+        }
+        reflectance / density * self.arriving(from, direction, depth, k, path)
+    }
+
+    /// Radiance that arrives along a direction.
+    fn arriving(&mut self, from: &Receiver, direction: Vec3, depth: usize, k: usize, path: (u32, u32)) -> DVec3 {
         self.rays += 1;
-        let Some(met) = self.meet(from, depth, Vec3::from(direction)) else { return DVec3::ZERO };
-        if met.albedo == DVec3::ZERO {
+        let Some(met) = self.meet(from, depth, direction) else { return DVec3::ZERO };
+        if met.albedo == DVec3::ZERO && met.lobes.is_empty() {
             return DVec3::ZERO;
         }
         if let Geometry::Spheres(rule) = self.options.geometry {
             self.caps[depth + 1].adjust(self.tracer, rule, &met.receiver);
         }
-        let mut radiance = FRAC_1_PI * self.direct(&met.receiver, depth, k, scramble);
-        if depth + 1 < self.options.bounces {
-            radiance += self.incident(&met.receiver, depth + 1, k, path);
+        let scramble = self.scramble(depth, path);
+        if met.lobes.is_empty() {
+            let mut radiance = FRAC_1_PI * self.direct(&met.receiver, depth, k, scramble);
+            if depth + 1 < self.options.bounces {
+                radiance += self.incident(&met.receiver, depth + 1, k, path);
+            }
+            return met.albedo * radiance;
         }
-        met.albedo * radiance
+        let mixture = Mixture::with_diffuse(met.lobes, met.albedo, met.receiver.normal);
+        let mut radiance = self.direct_at_lobes(&met.receiver, &mixture, depth, k, scramble);
+        if depth + 1 < self.options.bounces {
+            radiance += self.incident_at_lobes(&met.receiver, &mixture, depth + 1, k, path);
+        }
+        radiance
+    }
+
+    /// Direct light that lobes reflect into the path, from one sample of each way of each light.
+    fn direct_at_lobes(
+        &mut self,
+        at: &Receiver,
+        mixture: &Mixture,
+        depth: usize,
+        k: usize,
+        scramble: impl Fn(u32) -> Scramble,
+    ) -> DVec3 {
+        let mut radiance = DVec3::ZERO;
+        for (number, integral) in self.tracer.lights.integrals().enumerate() {
+            let glossy = GlossyIntegral::new(self.tracer, integral, at, mixture);
+            for (which, way) in Way::BOTH.into_iter().enumerate() {
+                let own = 1 + 2 * number as u32 + which as u32;
+                let place = self.orders.at(depth, own, k);
+                if glossy.sample(way, &self.points.as_slice()[place..=place], scramble(own), &mut self.batch) {
+                    radiance += self.seen(at, depth);
+                }
+            }
+        }
+        radiance
+    }
+
+    /// The value of the batch's only sample if its light is seen.
+    fn seen(&mut self, at: &Receiver, depth: usize) -> DVec3 {
+        let Self { tracer, options, caps, batch, rays, .. } = self;
+        *rays += match options.geometry {
+            Geometry::Mesh => trace_mesh(tracer, at.ray_origin, batch),
+            Geometry::Spheres(_) => {
+                caps[depth + 1].trace(batch);
+                1
+            }
+        };
+        let value = DVec3::from_array(std::array::from_fn(|channel| f64::from(batch.value[channel][0])));
+        f64::from(batch.visible[0]) * value
     }
 
     /// Direct irradiance from one sample of each technique.
     fn direct(&mut self, at: &Receiver, depth: usize, k: usize, scramble: impl Fn(u32) -> Scramble) -> DVec3 {
-        let Self { tracer, options, points, orders, caps, batch, rays, .. } = self;
-        let lights = &tracer.lights;
+        let lights = &self.tracer.lights;
         let mut irradiance = DVec3::ZERO;
         for (number, integral) in lights.integrals().enumerate() {
-            let techniques = lights.techniques(integral, at, &tracer.space);
+            let techniques = lights.techniques(integral, at, &self.tracer.space);
             for (which, technique) in techniques.iter().enumerate().filter_map(|(i, t)| Some((i, t.as_ref()?))) {
                 let own = 1 + 2 * number as u32 + which as u32;
-                let place = orders.at(depth, own, k);
-                lights.sample(technique, at, &points.as_slice()[place..=place], scramble(own), batch);
-                *rays += match options.geometry {
-                    Geometry::Mesh => trace_mesh(tracer, at.ray_origin, batch),
-                    Geometry::Spheres(_) => {
-                        caps[depth + 1].trace(batch);
-                        1
-                    }
-                };
-                let value = DVec3::from_array(std::array::from_fn(|channel| f64::from(batch.value[channel][0])));
-                irradiance += f64::from(batch.visible[0]) * value;
+                let place = self.orders.at(depth, own, k);
+                let points = &self.points.as_slice()[place..=place];
+                lights.sample(technique, at, points, scramble(own), &mut self.batch);
+                irradiance += self.seen(at, depth);
             }
         }
         irradiance
@@ -152,7 +240,8 @@ impl<'a> Paths<'a> {
                 let hit = self.tracer.first_hit(from.ray_origin, direction.into())?;
                 let surface = self.tracer.surface_at(&hit, direction);
                 let receiver = self.tracer.receiver(surface.position, surface.normal);
-                Some(Met { receiver, albedo: surface.albedo.as_dvec3() })
+                let lobes = self.lobes(surface.object, surface.gloss, &receiver, direction);
+                Some(Met { receiver, albedo: surface.albedo.as_dvec3(), lobes })
             }
             Geometry::Spheres(_) => {
                 let (sphere, distance, normal) = self.caps[depth].first_hit(direction)?;
@@ -160,9 +249,18 @@ impl<'a> Paths<'a> {
                 let position = from.position + along * direction.as_dvec3();
                 let receiver =
                     Receiver::new(self.tracer.space.point(position), position, normal.as_dvec3().normalize());
-                let albedo = self.sphere_albedo.map_or(Vec3::ONE, |table| table.at(sphere, normal));
-                Some(Met { receiver, albedo: albedo.as_dvec3() })
+                let (albedo, gloss) =
+                    self.sphere_albedo.map_or((Vec3::ONE, Gloss::NEUTRAL), |table| table.at(sphere, normal));
+                let object = self.tracer.sphere_owners[sphere].0 as u32;
+                let lobes = self.lobes(object, gloss, &receiver, direction);
+                Some(Met { receiver, albedo: albedo.as_dvec3(), lobes })
             }
         }
+    }
+
+    /// The lobes of what a path along `direction` meets, towards where it came from.
+    fn lobes(&self, object: u32, gloss: Gloss, at: &Receiver, direction: Vec3) -> Lobes {
+        let lobes = self.tracer.eye_lobes.as_ref();
+        lobes.map_or(Lobes::NONE, |lobes| lobes.toward(object, gloss, at.normal.as_vec3(), -direction))
     }
 }

@@ -8,7 +8,7 @@ use crate::{
     triangle::{ShearedRay, Triangle},
 };
 use glam::{DVec3, Vec3, Vec3A};
-use halfshade_scene::{Camera, Frame, Object, Pose, ReceiverBuffer};
+use halfshade_scene::{Camera, EyeLobes, Frame, Gloss, Object, Pose, ReceiverBuffer};
 use obvhs::{
     Boundable, BvhBuildParams,
     aabb::Aabb,
@@ -40,6 +40,8 @@ pub struct Surface {
     pub normal: Vec3,
     /// Albedo.
     pub albedo: Vec3,
+    /// Gloss, relative to the object's material.
+    pub gloss: Gloss,
     /// The object's place in `scene.objects`.
     pub object: u32,
 }
@@ -63,6 +65,8 @@ pub struct Tracer {
     /// Every object as it is at this frame, and where it stands.
     pub(crate) objects: Vec<(Object, Pose)>,
     pub(crate) lights: Lights,
+    /// What receivers reflect towards the eye, if anything is glossy.
+    pub(crate) eye_lobes: Option<EyeLobes>,
     inward: Inward,
 }
 
@@ -126,7 +130,18 @@ impl Tracer {
         };
         let triangles = bvh.primitive_indices.iter().map(|&i| Triangle::new(corners[i as usize])).collect();
         let owners = bvh.primitive_indices.iter().map(|&i| owners[i as usize]).collect();
-        Self { space, bvh, triangles, owners, spheres, sphere_owners, objects, lights: Lights::new(frame), inward }
+        Self {
+            space,
+            bvh,
+            triangles,
+            owners,
+            spheres,
+            sphere_owners,
+            objects,
+            lights: Lights::new(frame),
+            eye_lobes: EyeLobes::new(frame),
+            inward,
+        }
     }
 
     /// A receiver, its rays' origin lifted off the surface and, at the rim of a smooth patch, drawn onto the patch.
@@ -234,6 +249,7 @@ impl Tracer {
             position,
             normal: if turned { -normal } else { normal },
             albedo: object.albedo_at(hit.triangle as usize, hit.barycentrics.as_dvec3()),
+            gloss: object.gloss_at(hit.triangle as usize, hit.barycentrics.as_dvec3()),
             object: hit.object,
         }
     }

@@ -14,6 +14,7 @@
 mod choreography;
 mod daylight;
 mod ducks;
+mod glossy_sphere;
 mod ground;
 mod hand;
 mod implicit;
@@ -41,6 +42,7 @@ pub const SCENES: &[(&str, &str)] = &[
     ),
     ("hand", "a hand that opens and closes, deformed by a skeleton, and a ball in a studio's soft light"),
     ("one-sphere", "a sphere over a plane under constant light: its shadow has a closed form"),
+    ("glossy-sphere", "a sphere whose gloss varies under one spherical light, without blockers (66k vertices)"),
     ("crowd", "64 tumbling blobs over a plane, 256 spheres: many blockers at once"),
 ];
 
@@ -52,6 +54,7 @@ pub fn scene(name: &str) -> Option<Scene> {
         "squirrel-and-balls" => squirrel_and_balls::scene(),
         "hand" => hand::scene(),
         "one-sphere" => small::one_sphere(),
+        "glossy-sphere" => glossy_sphere::scene(),
         "crowd" => small::crowd(),
         _ => return None,
     })

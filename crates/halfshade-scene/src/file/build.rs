@@ -4,12 +4,11 @@ use super::document::{
     AnimationTable, CameraTable, Document, EnvironmentTable, KeyframeTable, LightTable, Meshes, ObjectTable, SkyTable,
 };
 use super::source::{Source, stem};
-use super::{DEFAULT_FRAMES_PER_SEC, DEFAULT_SPHERE_COUNT, framing};
+use super::{DEFAULT_FRAMES_PER_SEC, DEFAULT_SPHERE_COUNT, framing, reflectance};
 use crate::light::{Projection, Sky, load_probe};
 use crate::scene::MAX_BOUNCES;
 use crate::{
-    Camera, Environment, Material, Mesh, Motion, Object, Pose, Scene, SceneError, Skin, SphereLight, Texture, builtin,
-    mesh,
+    Camera, Environment, Material, Mesh, Motion, Object, Pose, Scene, SceneError, Skin, SphereLight, builtin, mesh,
 };
 use glam::{Quat, Vec3};
 use std::ops::{Range, RangeInclusive};
@@ -172,14 +171,12 @@ fn object(source: &Source<'_>, table: Spanned<ObjectTable>, meshes: &mut Meshes)
         Some(value) => albedo(source, "albedo", value)?,
         None => Vec3::splat(0.8),
     });
-    if let Some(name) = &table.albedo_texture {
-        if mesh.texture_coordinates.is_empty() {
-            let problem = format!("`{default_name}` has no texture coordinates, so that albedo_texture has no place");
-            return Err(source.error(name.span(), problem));
-        }
-        let path = source.resolve(name.get_ref());
-        let texture = Texture::load(&path).map_err(|error| named_at(source, name, error))?;
-        material.texture = Some(Arc::new(texture));
+    if let Some(path) = &table.albedo_texture {
+        material.texture = Some(source.texture("albedo_texture", path, &mesh, &default_name)?);
+    }
+    if let Some(table) = &table.reflectance {
+        material.reflectance = reflectance::reflectance(source, table.get_ref(), material.albedo)?;
+        material.gloss_variation = reflectance::variation(source, table.get_ref(), &mesh, &default_name)?;
     }
     let still = pose(source, table.translate.as_ref(), table.rotate.as_ref(), table.scale.as_ref())?;
     let motion = match &table.keyframe {
@@ -224,7 +221,7 @@ fn mesh_and_skin(
         return Ok(known.clone());
     }
     let (mesh, skin) = match animation {
-        None => (mesh::load(path).map_err(|error| named_at(source, name, error))?, None),
+        None => (mesh::load(path).map_err(|error| source.named_at(name, error))?, None),
         Some(animation) => mesh::load_animated(path, animation.get_ref()).map_err(|error| {
             // A sound file may lack what the scene asks for, so the place that asks is named as well.
             let asked_at = if path.is_file() { animation.span() } else { name.span() };
@@ -234,12 +231,6 @@ fn mesh_and_skin(
     let loaded = (Arc::new(mesh), skin.map(Arc::new));
     meshes.insert(key, loaded.clone());
     Ok(loaded)
-}
-
-/// The error of a file that the scene names: about that file; where it can't be read at all, where it is named as well.
-fn named_at(source: &Source<'_>, name: &Spanned<String>, error: SceneError) -> SceneError {
-    let is_missing = error.path.as_ref().is_some_and(|path| !path.is_file());
-    if is_missing { source.error(name.span(), error.to_string()) } else { error }
 }
 
 fn light(source: &Source<'_>, table: Spanned<LightTable>) -> Result<(SphereLight, Motion)> {
@@ -281,7 +272,7 @@ fn environment(source: &Source<'_>, table: Spanned<EnvironmentTable>) -> Result<
             };
             let forward = degrees("forward_degrees", forward_degrees)?;
             let path = source.resolve(image.get_ref());
-            let map = load_probe(&path, projection, forward).map_err(|error| named_at(source, &image, error))?;
+            let map = load_probe(&path, projection, forward).map_err(|error| source.named_at(&image, error))?;
             Environment::map(map)
         }
         (None, None, Some(table)) => {
@@ -341,7 +332,7 @@ fn animation(source: &Source<'_>, table: Option<AnimationTable>, last_key: f64) 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::light::DistantLight;
+    use crate::{LafortuneLobe, Reflectance, light::DistantLight};
 
     fn read(text: &str) -> Result<Scene> {
         let source = Source::new(Path::new("folder/s.toml"), text);
@@ -361,11 +352,18 @@ mod tests {
             albedo = [1, 0.5, 0]
             spheres = 7
             clusters = 3
+            reflectance = { model = "modified-phong", specular = [0, 0.5, 0.25], exponent = 30 }
             keyframe = [{ time = 0 }, { time = 2, translate = [0, 4, 0], rotate = [0, 2, 0, 90], scale = 4 }]
             [[object]]
             shape = "plane"
             translate = [0, -1, 0]
             scale = 5
+            [object.reflectance]
+            model = "lafortune"
+            lobes = [
+                { scale = [0.1, 0.2, 0.3], axis = [-1, -0.9, 0.95], exponent = 20 },
+                { scale = [0.1, 0.1, 0.1], axis = [1, 1, 1], exponent = 0 },
+            ]
             [environment]
             sky = { sun_elevation_degrees = 30, turbidity = 4, sun = false, resolution = 16 }
             turn_degrees_per_sec = 180
@@ -387,6 +385,12 @@ mod tests {
         assert_eq!((ball.name.as_str(), ball.sphere_count, ball.cluster_count), ("ball", 7, 3));
         assert_eq!((floor.name.as_str(), floor.sphere_count), ("plane", 0));
         assert_eq!(ball.material.albedo, Vec3::new(1.0, 0.5, 0.0));
+        let specular = Vec3::new(0.0, 0.5, 0.25);
+        assert_eq!(ball.material.reflectance, Reflectance::ModifiedPhong { specular, exponent: 30.0 });
+        let Reflectance::Lafortune { lobes } = &floor.material.reflectance else { panic!() };
+        let axis = Vec3::new(-1.0, -0.9, 0.95);
+        assert_eq!(lobes[0], LafortuneLobe { scale: Vec3::new(0.1, 0.2, 0.3), axis, exponent: 20.0 });
+        assert!(lobes.len() == 2 && floor.material.gloss_variation.is_none());
         let frame = scene.frame(10);
         let moved = frame.world_from_object[0].transform_point(Vec3::X);
         let turned = Vec3::new(0.5_f32.sqrt(), 0.0, -0.5_f32.sqrt());
@@ -415,6 +419,56 @@ mod tests {
             ("albedo = [1, nan, 0]", 3, &["albedo"]),
             ("albedo = [1, 1]", 3, &[]),
             ("albedo_texture = \"x.png\"", 3, &["`box` has no texture coordinates"]),
+            ("reflectance = {}", 3, &["missing field `model`"]),
+            ("reflectance = { model = \"ward\" }", 3, &["unknown model `ward`", "modified-phong", "lafortune"]),
+            ("reflectance = { model = \"phong\", shine = 1 }", 3, &["unknown field `shine`", "specular"]),
+            ("reflectance = { model = \"phong\", exponent = 1 }", 3, &["`phong` needs specular"]),
+            ("reflectance = { model = \"phong\", specular = [1, 1, 1] }", 3, &["needs exponent"]),
+            (
+                "reflectance.model = \"phong\"\nreflectance.specular = [1, -1, 1]\nreflectance.exponent = 1",
+                4,
+                &["specular"],
+            ),
+            (
+                "reflectance.model = \"phong\"\nreflectance.specular = [1, inf, 1]\nreflectance.exponent = 1",
+                4,
+                &["specular"],
+            ),
+            (
+                "reflectance.model = \"phong\"\nreflectance.specular = [1, 1, 1]\nreflectance.exponent = 2e5",
+                5,
+                &["exponent", "100000"],
+            ),
+            (
+                "reflectance.model = \"phong\"\nreflectance.specular = [1, 1, 1]\nreflectance.exponent = nan",
+                5,
+                &["exponent"],
+            ),
+            (
+                "albedo = [0.7, 0, 0]\nreflectance.model = \"modified-phong\"\nreflectance.specular = [0.4, 0, 0]\nreflectance.exponent = 9",
+                5,
+                &["specular", "with the albedo at most 1"],
+            ),
+            ("reflectance = { model = \"phong\", lobes = [] }", 3, &["lobes", "specular and exponent"]),
+            ("reflectance = { model = \"lafortune\", exponent = 1 }", 3, &["lafortune", "give lobes"]),
+            ("reflectance = { model = \"lafortune\" }", 3, &["needs lobes"]),
+            ("reflectance = { model = \"lafortune\", lobes = [] }", 3, &["1 to 4"]),
+            (
+                "reflectance.model = \"lafortune\"\nreflectance.lobes = [\n{ scale = [1, 1, 1], axis = [-1, -1, 1], exponent = 9 },\n\
+                 { scale = [1, 1, 1], axis = [2, 2, 2], exponent = 900 }]",
+                6,
+                &["scale", "axis"],
+            ),
+            (
+                "reflectance = { model = \"lafortune\", lobes = [{ scale = [1, 1, 1], exponent = 9 }] }",
+                3,
+                &["missing field `axis`"],
+            ),
+            (
+                "reflectance = { model = \"phong\", specular = [1, 1, 1], exponent = 1, exponent_texture = \"x.png\" }",
+                3,
+                &["`box` has no texture coordinates", "exponent_texture"],
+            ),
             ("animation = 0", 3, &["animation", "this is a shape"]),
             ("animation = -1", 3, &["number or the name"]),
             ("[[object]]\nmesh = \"none.glb\"\nanimation = 0", 4, &["none.glb", "cannot be read"]),

@@ -32,12 +32,32 @@ pub(super) struct ObjectTable {
     pub(super) animation: At<crate::mesh::Animation>,
     pub(super) albedo: At<[f32; 3]>,
     pub(super) albedo_texture: At<String>,
+    pub(super) reflectance: At<ReflectanceTable>,
     pub(super) spheres: At<i64>,
     pub(super) clusters: At<i64>,
     pub(super) translate: At<[f32; 3]>,
     pub(super) rotate: At<[f32; 4]>,
     pub(super) scale: At<f32>,
     pub(super) keyframe: At<Vec<Spanned<KeyframeTable>>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ReflectanceTable {
+    pub(super) model: Spanned<String>,
+    pub(super) specular: At<[f32; 3]>,
+    pub(super) exponent: At<f32>,
+    pub(super) lobes: At<Vec<Spanned<LobeTable>>>,
+    pub(super) specular_texture: At<String>,
+    pub(super) exponent_texture: At<String>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LobeTable {
+    pub(super) scale: [f32; 3],
+    pub(super) axis: [f32; 3],
+    pub(super) exponent: f32,
 }
 
 #[derive(Debug, Deserialize)]

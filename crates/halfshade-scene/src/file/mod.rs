@@ -15,6 +15,11 @@
 //! albedo = [0.7, 0.5, 0.4]          # in [0, 1]; default 0.8
 //! albedo_texture = "bunny.png"      # PNG or JPEG, multiplies the albedo; for meshes with texture coordinates, in place
 //!                                   # of the textures that a glTF brings
+//! # reflectance = { model = "phong"|"modified-phong", specular = [0.3, 0.3, 0.3], exponent = 50 }
+//! # reflectance = { model = "lafortune", lobes = [{ scale = [0.3, 0.3, 0.3], axis = [-1, -1, 1], exponent = 50 }] }
+//! #                                 # gloss beside the albedo, see Reflectance; default: none. Textures vary it:
+//! #                                 # specular_texture = "s.png" multiplies the scale, exponent_texture = "e.png" (its red
+//! #                                 # channel, sRGB as all) the exponent
 //! spheres = 64                      # leaf spheres; 0: receives only. Default 64, of a plane 0
 //! clusters = 0                      # receiver clusters; 0: left to the strategy
 //! translate = [0, 0, 0]
@@ -49,6 +54,7 @@
 mod build;
 mod document;
 mod framing;
+mod reflectance;
 mod source;
 
 use crate::{Environment, Material, Motion, Object, Pose, Scene, SceneError, builtin, mesh};

@@ -1,9 +1,11 @@
 //! The text of a scene file, and errors that name its lines.
 
 use super::document::Document;
-use crate::SceneError;
+use crate::{Mesh, SceneError, Texture};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use toml::Spanned;
 
 /// A scene file's path and text.
 #[derive(Debug, Clone, Copy)]
@@ -29,6 +31,28 @@ impl<'a> Source<'a> {
         let before = &self.text.as_bytes()[..span.start.min(self.text.len())];
         let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
         SceneError::new(problem).in_file(self.path).at_line(line)
+    }
+
+    /// The error of a file that the scene names: about that file; where it can't be read at all, where it is named as well.
+    pub(super) fn named_at(&self, name: &Spanned<String>, error: SceneError) -> SceneError {
+        let is_missing = error.path.as_ref().is_some_and(|path| !path.is_file());
+        if is_missing { self.error(name.span(), error.to_string()) } else { error }
+    }
+
+    /// The texture at `path`, which the value of `key` names, for a mesh that has a place for it.
+    pub(super) fn texture(
+        &self,
+        key: &str,
+        path: &Spanned<String>,
+        mesh: &Mesh,
+        name: &str,
+    ) -> Result<Arc<Texture>, SceneError> {
+        if mesh.texture_coordinates.is_empty() {
+            let problem = format!("`{name}` has no texture coordinates, so that {key} has no place");
+            return Err(self.error(path.span(), problem));
+        }
+        let texture = Texture::load(&self.resolve(path.get_ref())).map_err(|error| self.named_at(path, error))?;
+        Ok(Arc::new(texture))
     }
 
     /// A path as the file means it: relative to the file.

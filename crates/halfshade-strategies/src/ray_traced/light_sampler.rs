@@ -62,7 +62,7 @@ impl Cap {
 }
 
 /// The unit vector whose cosine to unit `axis` is `1 - one_minus_cosine`, at `turn` of a full turn around it.
-fn about(axis: DVec3, one_minus_cosine: f64, turn: f64) -> DVec3 {
+pub(super) fn about(axis: DVec3, one_minus_cosine: f64, turn: f64) -> DVec3 {
     let sine = (one_minus_cosine * (2.0 - one_minus_cosine)).max(0.0).sqrt();
     let (y, x) = (TAU * turn).sin_cos();
     let (t, b) = axis.any_orthonormal_pair();
@@ -150,6 +150,12 @@ impl LightSampler {
             Some((sun, _)) if Cap::of_sun(sun).contains(direction) => base + sun.radiance,
             _ => base,
         }
+    }
+
+    /// All radiance along a ray that nothing blocks.
+    pub(super) fn radiance(&self, position: Vec3, direction: DVec3) -> DVec3 {
+        let distant = self.distant_radiance(direction);
+        self.local_radiance(position, direction).fold(distant, |sum, (radiance, _)| sum + radiance).as_dvec3()
     }
 
     /// The local lights along a ray: radiance, and the distance to the light's surface.

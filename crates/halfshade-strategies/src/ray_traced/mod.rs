@@ -8,20 +8,26 @@
 //! importance sampling under the balance heuristic \[Veach1995\]. Unbiased; the standard error falls faster than 1/√k
 //! because the points are spread evenly. The hierarchy is rebuilt in `prepare` when a pose has changed.
 //!
+//! A glossy receiver draws by all of its lobes, the diffuse one among them, in place of the cosine: `max(n·ω, 0) · albedo/π`
+//! becomes their sum. Sharp lobes are then found whatever shines into them, except by `sampling=light` alone, which is
+//! unbiased there but noisy.
+//!
 //! Shares no code with the truth: a mistake that both made would cancel out in the score.
 
 mod light_sampler;
 mod occlusion;
 mod points;
+mod reflector;
 
 use glam::{DVec3, Vec3};
-use halfshade_scene::{Frame, Placement, Progress, RadianceMut, Receivers, Scene};
+use halfshade_scene::{EyeLobes, Frame, Lobe, Lobes, Placement, Progress, RadianceMut, Receivers, Scene};
 use halfshade_strategy::{
     Baked, Effect, Effects, Footprint, Info, Parameter, ParameterKind, Params, Strategy, StrategyError,
 };
 use light_sampler::{LightSampler, cosine_direction};
 use occlusion::Occlusion;
 use points::Points;
+use reflector::Reflector;
 use std::f64::consts::PI;
 
 /// The strategy.
@@ -30,12 +36,14 @@ pub struct RayTraced;
 
 struct Prepared {
     samples: u32,
-    /// Share of directions drawn by cosine.
+    /// Share of directions drawn by cosine, or by the lobes of a glossy receiver.
     cosine_share: f64,
     /// What `occlusion` was built for.
     placement: Placement,
     occlusion: Option<Occlusion>,
     light: Option<LightSampler>,
+    /// What receivers reflect towards the eye, if anything is glossy.
+    eye_lobes: Option<EyeLobes>,
 }
 
 impl Strategy for RayTraced {
@@ -52,11 +60,11 @@ impl Strategy for RayTraced {
                 },
                 Parameter {
                     name: "sampling",
-                    summary: "how directions are drawn: by cosine, by light, or by both",
+                    summary: "how directions are drawn: by cosine (and other lobes), by light, or by both",
                     kind: ParameterKind::Choice { values: &["cosine", "light", "mis"], default: "mis" },
                 },
             ],
-            effects: Effects::of(&Effect::DIRECT),
+            effects: Effects::of(&Effect::DIRECT).with(Effect::GlossyReflectance),
         }
     }
 
@@ -71,6 +79,7 @@ impl Strategy for RayTraced {
             placement: Placement::default(),
             occlusion: None,
             light: None,
+            eye_lobes: None,
         }))
     }
 }
@@ -102,6 +111,45 @@ impl Prepared {
         (sum / f64::from(self.samples)).as_vec3()
     }
 
+    /// Radiance of a glossy receiver: the same with all of its lobes in place of the cosine.
+    fn glossy(
+        &self,
+        occlusion: &Occlusion,
+        light: &LightSampler,
+        receivers: &Receivers<'_>,
+        i: usize,
+        lobes: Lobes,
+    ) -> Vec3 {
+        let (position, normal) = (receivers.position_at(i), receivers.normal_at(i));
+        let axis = normal.as_dvec3().normalize_or(DVec3::Y);
+        let reflector = Reflector::new(lobes, Lobe::diffuse(receivers.albedo_at(i), normal), axis);
+        let share = if self.cosine_share > 0.0 && light.is_constant() { 1.0 } else { self.cosine_share };
+        let power = light.power(position);
+        if power <= 0.0 {
+            return Vec3::ZERO;
+        }
+        let points = Points::<3>::new(receivers.index[i]);
+        let mut sum = DVec3::ZERO;
+        for k in 0..self.samples {
+            let [choice, u, v] = points.at(k);
+            let direction = if choice < share {
+                reflector.sample([choice / share, u, v])
+            } else {
+                light.sample(position, axis, power, [(choice - share) / (1.0 - share), u, v])
+            };
+            if axis.dot(direction) <= 0.0 {
+                continue;
+            }
+            let (reflectance, by_reflectance) = reflector.evaluate(direction);
+            let arriving = light.radiance(position, direction);
+            let density = share * by_reflectance + (1.0 - share) * arriving.element_sum() / power;
+            if arriving != DVec3::ZERO && density > 0.0 {
+                sum += reflectance * seen(occlusion, light, position, axis, direction) / density;
+            }
+        }
+        (sum / f64::from(self.samples)).as_vec3()
+    }
+
     /// L V cosθ / (π p) along one direction.
     #[expect(clippy::too_many_arguments, reason = "one receiver's state, in the innermost loop")]
     fn one_sample(
@@ -118,24 +166,28 @@ impl Prepared {
         if cosine <= 0.0 {
             return DVec3::ZERO;
         }
-        let distant = light.distant_radiance(direction);
-        let local = light.local_radiance(position, direction);
-        let arriving = local.fold(distant, |sum, (radiance, _)| sum + radiance).as_dvec3();
+        let arriving = light.radiance(position, direction);
         let by_light = arriving.element_sum() / power;
         let density = cosine_share * cosine / PI + (1.0 - cosine_share) * by_light;
         if arriving == DVec3::ZERO || density <= 0.0 {
             return DVec3::ZERO;
         }
-        let (ray, lift) = (direction.as_vec3(), normal.as_vec3());
-        let seen = |distance| !occlusion.blocked(position, lift, ray, distance);
-        let mut radiance = if distant != Vec3::ZERO && seen(f32::INFINITY) { distant } else { Vec3::ZERO };
-        for (from_light, distance) in light.local_radiance(position, direction) {
-            if seen(distance) {
-                radiance += from_light;
-            }
-        }
-        radiance.as_dvec3() * (cosine / (PI * density))
+        seen(occlusion, light, position, normal, direction) * (cosine / (PI * density))
     }
+}
+
+/// The radiance that arrives along a direction and isn't blocked.
+fn seen(occlusion: &Occlusion, light: &LightSampler, position: Vec3, normal: DVec3, direction: DVec3) -> DVec3 {
+    let distant = light.distant_radiance(direction);
+    let (ray, lift) = (direction.as_vec3(), normal.as_vec3());
+    let seen = |distance| !occlusion.blocked(position, lift, ray, distance);
+    let mut radiance = if distant != Vec3::ZERO && seen(f32::INFINITY) { distant } else { Vec3::ZERO };
+    for (from_light, distance) in light.local_radiance(position, direction) {
+        if seen(distance) {
+            radiance += from_light;
+        }
+    }
+    radiance.as_dvec3()
 }
 
 impl Baked for Prepared {
@@ -154,6 +206,7 @@ impl Baked for Prepared {
             self.placement = frame.placement();
         }
         self.light = Some(LightSampler::new(frame, self.light.take()));
+        self.eye_lobes = EyeLobes::new(frame);
         Ok(())
     }
 
@@ -163,6 +216,11 @@ impl Baked for Prepared {
             return;
         };
         for i in 0..receivers.len() {
+            let lobes = self.eye_lobes.as_ref().map_or(Lobes::NONE, |lobes| lobes.at(&receivers, i));
+            if !lobes.is_empty() {
+                out.set(i, self.glossy(occlusion, light, &receivers, i, lobes));
+                continue;
+            }
             let (position, normal) = (receivers.position_at(i), receivers.normal_at(i));
             let radiance = self.radiance(occlusion, light, position, normal, receivers.index[i]);
             out.set(i, receivers.albedo_at(i) * radiance);
@@ -226,6 +284,28 @@ mod tests {
         for (settings, tolerance) in [("samples=2048,sampling=cosine", 0.02), ("samples=2048,sampling=light", 0.02)] {
             let relative = mean(&scene, settings) / reference - 1.0;
             assert!(relative.abs() < tolerance, "{settings}: {relative}");
+        }
+    }
+
+    /// A lobe of 10^5 finds what it mirrors, a small lamp, without a value that stands out.
+    #[test]
+    fn a_sharp_lobe_mirrors_a_lamp() {
+        use halfshade_scene::{Material, Reflectance};
+        let exponent = 1e5f32;
+        let mut scene =
+            with_spheres(Environment::constant(Vec3::ZERO), &[Sphere { center: Vec3::Y * -9.0, radius: 0.1 }]);
+        let specular = Vec3::splat((exponent + 1.0) / std::f32::consts::TAU);
+        scene.objects[0].material =
+            Material { reflectance: Reflectance::Phong { specular, exponent }, ..Material::new(Vec3::ZERO) };
+        scene.camera.eye = Vec3::new(0.0, 2.0, 2.0);
+        let lamp = SphereLight { center: Vec3::new(0.0, 2.0, -2.0), radius: 0.3, radiance: Vec3::splat(5.0) };
+        scene.lights.push((lamp, Motion::Still(Pose::IDENTITY)));
+        let mut receivers = ReceiverBuffer::default();
+        (0..64).for_each(|i| receivers.push(Vec3::X * 0.01 * i as f32, Vec3::Y, Vec3::ZERO, 0));
+        for settings in ["samples=256", "samples=256,sampling=cosine"] {
+            let out = shade(&scene, settings, &receivers);
+            assert!((out.at(0).x / 5.0 - 1.0).abs() < 0.1, "{settings}: {}", out.at(0));
+            assert!(out.at(63).x < 1e-3 && out.channels[0].iter().all(|&x| x < 6.0));
         }
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! The reference values come from quadrature over directions written here, so that no code is shared with what is tested.
 
+mod gloss;
 mod scenes;
 
 use crate::{Baked, Effect, Params, Strategy};
@@ -10,6 +11,8 @@ use halfshade_scene::{
     Environment, Frame, RadianceBuffer, ReceiverBuffer, Scene, Sphere, light::Sun, progress::Silent,
 };
 use std::f64::consts::{PI, TAU};
+
+pub use gloss::gloss_is_modelled_or_refused;
 
 /// How far a strategy may stray, as fractions of the scene's mean unshadowed radiance.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -330,6 +333,12 @@ macro_rules! contract_tests {
             fn no_blocker_gives_the_analytic_answer() {
                 let (strategy, params) = subject();
                 check($crate::contract::no_blocker_gives_the_analytic_answer(&strategy, &params, &$bounds));
+            }
+
+            #[test]
+            fn gloss_is_modelled_or_refused() {
+                let (strategy, params) = subject();
+                check($crate::contract::gloss_is_modelled_or_refused(&strategy, &params, &$bounds));
             }
 
             #[test]

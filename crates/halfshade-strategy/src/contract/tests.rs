@@ -16,6 +16,7 @@ enum Fault {
     Counts,
     Remembers,
     NotANumber,
+    ClaimsGloss,
 }
 
 /// Light by midpoint rule over a few directions, each blocked if a sphere is in the way.
@@ -33,6 +34,7 @@ struct Prepared {
 impl Strategy for Toy {
     fn info(&self) -> Info {
         let effects = Effects::of(&[Effect::EnvironmentLight, Effect::ColouredLight, Effect::Motion]);
+        let effects = if self.0 == Fault::ClaimsGloss { effects.with(Effect::GlossyReflectance) } else { effects };
         Info { name: "toy", summary: "", source: "", parameters: Vec::new(), effects }
     }
 
@@ -107,6 +109,7 @@ const BOUNDS: Bounds = Bounds { constant: 5e-3, quadrature: 0.015, rotation: 0.0
 type Clause = fn(&Toy, &Params) -> Checked;
 
 const ANALYTIC: Clause = |toy, params| no_blocker_gives_the_analytic_answer(toy, params, &BOUNDS);
+const GLOSS: Clause = |toy, params| gloss_is_modelled_or_refused(toy, params, &BOUNDS);
 const ROTATION: Clause = |toy, params| rotating_everything_changes_nothing(toy, params, &BOUNDS);
 const BRIGHTENING: Clause = |toy, params| adding_a_blocker_never_brightens(toy, params, &BOUNDS);
 const SPLITTING: Clause = |toy, params| splitting_a_batch_changes_no_bit(toy, params);
@@ -115,7 +118,7 @@ const FINITE: Clause = |toy, params| every_output_is_finite(toy, params);
 
 #[test]
 fn an_honest_strategy_passes() {
-    for clause in [ANALYTIC, ROTATION, BRIGHTENING, SPLITTING, PREPARING, FINITE] {
+    for clause in [ANALYTIC, GLOSS, ROTATION, BRIGHTENING, SPLITTING, PREPARING, FINITE] {
         assert_eq!(clause(&Toy(Fault::None), &Params::default()), Ok(()));
     }
 }
@@ -124,6 +127,7 @@ fn an_honest_strategy_passes() {
 fn each_fault_is_found() {
     for (fault, clause) in [
         (Fault::Scaled, ANALYTIC),
+        (Fault::ClaimsGloss, GLOSS),
         (Fault::WorldBound, ROTATION),
         (Fault::Brightens, BRIGHTENING),
         (Fault::BatchPosition, SPLITTING),

@@ -3,5 +3,6 @@
 mod bounces;
 mod closed_forms;
 mod estimator;
+mod gloss;
 mod scenes;
 mod self_shadowing;

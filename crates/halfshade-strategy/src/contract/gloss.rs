@@ -1,0 +1,120 @@
+//! The clause about glossy reflectance, with every model's formula written out here once more.
+
+use super::{Bounds, Checked, rendered, scenes, violation};
+use crate::{Effect, Effects, Params, Strategy};
+use glam::{DVec3, Vec3};
+use halfshade_scene::{Environment, Frame, LafortuneLobe, Material, Motion, Pose, Reflectance, Scene, SphereLight};
+use std::f64::consts::{PI, TAU};
+
+const EXPONENT: f64 = 15.0;
+
+/// A model, and its integrand towards the eye for normal, direction of the eye, and direction of light: no diffuse part.
+type Model = (Reflectance, fn(DVec3, DVec3, DVec3) -> f64);
+
+fn models() -> [Model; 3] {
+    let exponent = EXPONENT as f32;
+    fn mirrored(n: DVec3, o: DVec3, v: DVec3) -> f64 {
+        (2.0 * n.dot(o) * n - o).dot(v).max(0.0).powf(EXPONENT)
+    }
+    // Equal along the surface, so that it doesn't matter where tangents point.
+    let lobe = LafortuneLobe { scale: Vec3::ONE, axis: Vec3::new(0.9, 0.9, 1.0), exponent };
+    [
+        (Reflectance::Phong { specular: Vec3::splat(0.5), exponent }, |n, o, v| 0.5 * mirrored(n, o, v)),
+        (Reflectance::ModifiedPhong { specular: Vec3::splat(0.5), exponent }, |n, o, v| {
+            0.5 * (EXPONENT + 2.0) / TAU * n.dot(v) * mirrored(n, o, v)
+        }),
+        (Reflectance::Lafortune { lobes: vec![lobe] }, |n, o, v| {
+            let along = (o - n.dot(o) * n).dot(v - n.dot(v) * n);
+            (0.9 * along + n.dot(v) * n.dot(o)).max(0.0).powf(EXPONENT) * n.dot(v)
+        }),
+    ]
+}
+
+/// ∫ f over the hemisphere of `normal` for light from infinitely far, by the midpoint rule; caps of local lights apart.
+fn quadrature(frame: &Frame<'_>, position: Vec3, normal: DVec3, f: impl Fn(DVec3) -> f64) -> DVec3 {
+    let (rings, spokes) = (160, 320);
+    let around = |axis: DVec3, height: f64, each: &dyn Fn(DVec3) -> DVec3| -> DVec3 {
+        let (t, b) = axis.any_orthonormal_pair();
+        let mut sum = DVec3::ZERO;
+        for ring in 0..rings {
+            let below = height * (f64::from(ring) + 0.5) / f64::from(rings);
+            let across = (below * (2.0 - below)).sqrt();
+            for spoke in 0..spokes {
+                let (y, x) = (TAU * (f64::from(spoke) / f64::from(spokes) + 0.618_034 * f64::from(ring))).sin_cos();
+                sum += each(across * (x * t + y * b) + (1.0 - below) * axis);
+            }
+        }
+        sum * TAU * height / f64::from(rings * spokes)
+    };
+    let distant = |v: DVec3| f(v) * frame.environment_radiance(v.as_vec3()).as_dvec3();
+    let mut radiance = around(normal, 1.0, &distant);
+    for SphereLight { center, radius, radiance: emitted } in &frame.lights {
+        let offset = (*center - position).as_dvec3();
+        let sine_squared = (f64::from(*radius) / offset.length()).powi(2);
+        let height = sine_squared / (1.0 + (1.0 - sine_squared).sqrt());
+        let above = |v: DVec3| if normal.dot(v) > 0.0 { f(v) * emitted.as_dvec3() } else { DVec3::ZERO };
+        radiance += around(offset.normalize(), height, &above);
+    }
+    radiance
+}
+
+/// Who claims glossy reflectance gives what quadrature gives, without blockers, within [`Bounds::quadrature`]; of who doesn't,
+/// a glossy scene is known to ask too much.
+pub fn gloss_is_modelled_or_refused(strategy: &dyn Strategy, params: &Params, bounds: &Bounds) -> Checked {
+    let effects = strategy.info().effects;
+    for (model, integrand) in models() {
+        let mut scene = scenes::spheres(scenes::map(), &[]);
+        scene.objects[0].material = Material { reflectance: model, ..Material::default() };
+        scene.camera.eye = Vec3::new(0.5, 3.0, 1.0);
+        if !effects.contains(Effect::GlossyReflectance) {
+            let missing = effects.missing(Effects::required_by(&scene));
+            if !missing.contains(Effect::GlossyReflectance) {
+                return violation("a glossy scene seems to ask nothing that it can't model".into());
+            }
+            continue;
+        }
+        let mut cases = Vec::new();
+        if effects.contains(Effect::EnvironmentLight) {
+            cases.push(Scene { environment: Environment::constant(Vec3::ONE), ..scene.clone() });
+            cases.push(scene.clone());
+        }
+        if effects.contains(Effect::LocalLights) {
+            let lights = vec![(scenes::lamp(), Motion::Still(Pose::IDENTITY))];
+            cases.push(Scene { environment: Environment::constant(Vec3::ZERO), lights, ..scene });
+        }
+        for (case, scene) in cases.iter().enumerate() {
+            check_case(strategy, params, bounds, (case, scene), integrand)?;
+        }
+    }
+    Ok(())
+}
+
+fn check_case(
+    strategy: &dyn Strategy,
+    params: &Params,
+    bounds: &Bounds,
+    (case, scene): (usize, &Scene),
+    integrand: fn(DVec3, DVec3, DVec3) -> f64,
+) -> Checked {
+    let receivers = scenes::receivers(29);
+    let frame = scene.frame(0);
+    let found = rendered(strategy, params, scene, &receivers)?;
+    let view = receivers.view();
+    let expected: Vec<DVec3> = (0..receivers.len())
+        .map(|i| {
+            let (position, n) = (view.position_at(i), view.normal_at(i).as_dvec3().normalize());
+            let o = (scene.camera.eye - position).as_dvec3().normalize();
+            let gloss = |v: DVec3| if n.dot(o) > 0.0 { integrand(n, o, v) } else { 0.0 };
+            let diffuse = quadrature(&frame, position, n, |v| n.dot(v) / PI) * view.albedo_at(i).as_dvec3();
+            diffuse + quadrature(&frame, position, n, gloss)
+        })
+        .collect();
+    let mean = expected.iter().map(|value| value.element_sum()).sum::<f64>() / (3 * expected.len()) as f64;
+    for (i, exact) in expected.iter().enumerate() {
+        let error = (found.at(i).as_dvec3() - *exact).abs().max_element();
+        if error.is_nan() || error > f64::from(bounds.quadrature) * mean {
+            return violation(format!("glossy, light {case}, receiver {i}: {} instead of {exact}", found.at(i)));
+        }
+    }
+    Ok(())
+}
