@@ -89,7 +89,7 @@ pub(super) fn scene() -> Scene {
 }
 
 /// A rubber duck that looks along +X and stands on y = 0.
-fn duck() -> Body {
+pub(super) fn duck() -> Body {
     let yellow = Vec3::new(0.92, 0.72, 0.06);
     let orange = Vec3::new(0.90, 0.30, 0.03);
     let (white, black) = (Vec3::splat(0.9), Vec3::splat(0.02));

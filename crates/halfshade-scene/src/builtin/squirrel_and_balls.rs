@@ -130,6 +130,11 @@ fn travelled(speed: f64, time_secs: f64) -> f64 {
     speed * time_secs + 0.5 * ACCELERATION * time_secs * time_secs
 }
 
+/// The red ball.
+pub(super) fn beach_ball() -> Mesh {
+    ball_mesh(&BALLS[0])
+}
+
 /// A ball of radius 1 in six sectors of alternating colour, with a cap on both ends.
 ///
 /// Rings and segments instead of an icosphere, so that vertices lie along the sectors' borders.
@@ -153,7 +158,7 @@ fn ball_mesh(ball: &Ball) -> Mesh {
 }
 
 /// A red squirrel that sits with a nut in its hands, looks along +X and rests on y = 0.
-fn squirrel() -> Body {
+pub(super) fn squirrel() -> Body {
     let red = Vec3::new(0.52, 0.20, 0.07);
     let dark_red = Vec3::new(0.38, 0.12, 0.04);
     let cream = Vec3::new(0.85, 0.74, 0.56);

@@ -2,17 +2,16 @@
 
 use super::choreography::{FRAME_COUNT, FRAMES_PER_SEC, keyframes, upright, wave};
 use super::ground::ground;
-use super::lathe::{ProfilePoint, lathe};
+use super::lathe::lathe;
+use super::profile::spline_profile;
 use super::studio;
 use crate::{Camera, Material, Mesh, Object, Scene};
-use glam::{DVec2, Vec3};
+use glam::Vec3;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
 const SEGMENTS: usize = 48;
 const PROFILE_POINTS: usize = 42;
-/// Points of a profile are so spread that a turn by one radian counts like this length, in metres: rims stay round.
-const TURN_LENGTH: f64 = 0.10;
 /// Vases stand this high above the ground, so that no two faces coincide.
 const GAP: f32 = 0.004;
 
@@ -228,59 +227,17 @@ pub(super) fn scene() -> Scene {
     }
 }
 
+/// The vase called `name`, as it stands in the scene.
+pub(super) fn vase(name: &str) -> Option<Mesh> {
+    VASES.iter().find(|vase| vase.name == name).map(mesh)
+}
+
 fn mesh(vase: &Vase) -> Mesh {
-    let mut mesh = lathe(&profile(vase.controls, PROFILE_POINTS), SEGMENTS);
+    let mut mesh = lathe(&spline_profile(vase.controls, PROFILE_POINTS), SEGMENTS);
     let (glaze, trim) = (Vec3::from(vase.glaze), Vec3::from(vase.trim));
     let banded = |height: f32| vase.bands.iter().any(|[low, high]| (*low..=*high).contains(&height));
     mesh.colors = mesh.positions.iter().map(|p| if banded(p.y) { trim } else { glaze }).collect();
     mesh
-}
-
-/// `count` points along the uniform cubic B-spline of `controls` from axis to axis, closer together where it bends.
-///
-/// A B-spline stays within its control points' hull, so radii stay positive. At both ends the control polygon is
-/// continued by its mirror image: the curve starts on the axis, perpendicular to it.
-fn profile(controls: &[[f64; 2]], count: usize) -> Vec<ProfilePoint> {
-    let mirrored = |[radius, height]: [f64; 2]| DVec2::new(-radius, height);
-    let last = controls.len() - 1;
-    let mut points = vec![mirrored(controls[1])];
-    points.extend(controls.iter().map(|&c| DVec2::from(c)));
-    points.push(mirrored(controls[last - 1]));
-    const STEPS: usize = 64;
-    let mut fine: Vec<DVec2> = points
-        .windows(4)
-        .flat_map(|p| {
-            (0..STEPS).map(move |step| {
-                let t = step as f64 / STEPS as f64;
-                let (t2, t3) = (t * t, t * t * t);
-                (p[0] * (1.0 - 3.0 * t + 3.0 * t2 - t3)
-                    + p[1] * (4.0 - 6.0 * t2 + 3.0 * t3)
-                    + p[2] * (1.0 + 3.0 * t + 3.0 * t2 - 3.0 * t3)
-                    + p[3] * t3)
-                    / 6.0
-            })
-        })
-        .collect();
-    let end = points.len() - 3;
-    fine.push((points[end] + 4.0 * points[end + 1] + points[end + 2]) / 6.0);
-
-    let mut passed = vec![0.0];
-    for (i, pair) in fine.windows(2).enumerate() {
-        let edge = pair[1] - pair[0];
-        let turned = fine.get(i + 2).map_or(0.0, |after| edge.angle_to(after - pair[1]).abs());
-        passed.push(passed[i] + edge.length() + TURN_LENGTH * turned);
-    }
-    let total = passed[passed.len() - 1];
-    (0..count)
-        .map(|i| {
-            let goal = total * i as f64 / (count - 1) as f64;
-            let after = passed.partition_point(|&length| length < goal).clamp(1, fine.len() - 1);
-            let (before, span) = (after - 1, passed[after] - passed[after - 1]);
-            let point = fine[before].lerp(fine[after], (goal - passed[before]) / span);
-            let on_axis = i == 0 || i == count - 1;
-            ProfilePoint::smooth(if on_axis { 0.0 } else { point.x as f32 }, point.y as f32)
-        })
-        .collect()
 }
 
 #[cfg(test)]
@@ -288,6 +245,7 @@ mod tests {
     use super::*;
     use crate::builtin::shapes::tests::check_solid;
     use crate::builtin::tests::built;
+    use glam::DVec2;
 
     #[test]
     fn vases_are_solid_and_stand_on_their_foot() {
@@ -319,7 +277,7 @@ mod tests {
     #[test]
     fn profiles_start_flat_and_bend_gently() {
         for vase in &VASES {
-            let points: Vec<DVec2> = profile(vase.controls, PROFILE_POINTS)
+            let points: Vec<DVec2> = spline_profile(vase.controls, PROFILE_POINTS)
                 .iter()
                 .map(|p| DVec2::new(p.radius.into(), p.height.into()))
                 .collect();
@@ -335,7 +293,7 @@ mod tests {
     fn no_profile_crosses_itself() {
         let side = |a: DVec2, b: DVec2, p: DVec2| (b - a).perp_dot(p - a).signum();
         for vase in &VASES {
-            let points: Vec<DVec2> = profile(vase.controls, PROFILE_POINTS)
+            let points: Vec<DVec2> = spline_profile(vase.controls, PROFILE_POINTS)
                 .iter()
                 .map(|p| DVec2::new(p.radius.into(), p.height.into()))
                 .collect();

@@ -2,7 +2,7 @@
 
 use super::{PART, basis::Ball, vertices::Vertices};
 use glam::{DMat3, DQuat, DVec3, Mat3, Vec3};
-use halfshade_scene::{Frame, Mesh, Receivers, Scene, SphereLight};
+use halfshade_scene::{EyeLobes, Frame, Mesh, Receivers, Scene, SphereLight};
 use halfshade_strategy::StrategyError;
 use std::{f32::consts::FRAC_1_PI, ops::Range, sync::Arc};
 use wide::f32x8;
@@ -55,6 +55,8 @@ pub(super) struct Arrangement {
     pub(super) lights: Vec<LocalLight>,
     /// Per object and part of it the others, from near to far.
     orders: Vec<Vec<Vec<Entity>>>,
+    /// What receivers reflect towards the eye, if anything is glossy.
+    pub(super) eye_lobes: Option<EyeLobes>,
     light_from_world: DQuat,
     center: DVec3,
 }
@@ -78,6 +80,7 @@ impl Arrangement {
         if frame.scene.objects.len() != self.bodies.len() {
             return Err(StrategyError::Failed("the frame is of another scene than fields were baked for".into()));
         }
+        self.eye_lobes = EyeLobes::new(frame);
         self.light_from_world = frame.world_from_environment.as_dquat().normalize().conjugate();
         let middles: Vec<DVec3> = (frame.world_from_object.iter().zip(&self.bodies))
             .map(|(pose, body)| {

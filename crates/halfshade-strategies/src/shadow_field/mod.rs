@@ -4,7 +4,7 @@
 //! points on them, by latitude and longitude, an *object occlusion field* holds the visibility that the object leaves, as a
 //! vector of spherical harmonics (`occlusion`). Each shell is thinned out as far as interpolation allows (`adaptive`,
 //! equation 1), and coefficients are stored in 8 bits (`field`). What an object hides from itself is precomputed at its
-//! vertices (`own`).
+//! vertices (`vertices`).
 //!
 //! ```text
 //! U = O_self * ρ̂            for all others, from near to far:    an object: U = O_j * U      a light: L += S_j · U
@@ -17,7 +17,9 @@
 //! Fields stay in the space of their object; what is read from them is turned into the space of the light, so that objects
 //! may move, turn and change their size. All meshes occlude, those of objects without spheres too.
 //!
-//! **Limits.** Diffuse receivers, spherical harmonics only. Distant light is as sharp as the bands. Within the first
+//! A glossy receiver has a U of its own for each lobe of its BRDF.
+//!
+//! **Limits.** Light and gloss are as sharp as bands or texels. Within the first
 //! shell a receiver lies between that shell and the centre; past the last one, what is blocked shrinks with the solid angle.
 //! A receiver that is no vertex takes what the nearest vertex of its object hides from itself; with `own=projected`
 //! nothing, because there the normal is in it. Meshes that deform can't be modelled.
@@ -127,6 +129,7 @@ impl Strategy for ShadowField {
                 Effect::EnvironmentLight,
                 Effect::LocalLights,
                 Effect::ColouredLight,
+                Effect::GlossyReflectance,
                 Effect::Motion,
             ]),
         }

@@ -1,9 +1,11 @@
 //! The clause about glossy reflectance, with every model's formula written out here once more.
 
 use super::{Bounds, Checked, rendered, scenes, violation};
-use crate::{Effect, Effects, Params, Strategy};
+use crate::{Effect, Effects, Params, Strategy, StrategyError};
 use glam::{DVec3, Vec3};
-use halfshade_scene::{Environment, Frame, LafortuneLobe, Material, Motion, Pose, Reflectance, Scene, SphereLight};
+use halfshade_scene::{
+    Environment, Frame, LafortuneLobe, Material, Motion, Pose, Reflectance, Scene, SphereLight, progress::Silent,
+};
 use std::f64::consts::{PI, TAU};
 
 const EXPONENT: f64 = 15.0;
@@ -71,6 +73,10 @@ pub fn gloss_is_modelled_or_refused(strategy: &dyn Strategy, params: &Params, bo
             if !missing.contains(Effect::GlossyReflectance) {
                 return violation("a glossy scene seems to ask nothing that it can't model".into());
             }
+            continue;
+        }
+        if matches!(strategy.bake(&scene, params, &Silent), Err(StrategyError::Unsupported(_))) {
+            // It can, but not with these parameters, and says so.
             continue;
         }
         let mut cases = Vec::new();

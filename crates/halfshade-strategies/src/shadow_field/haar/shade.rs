@@ -12,7 +12,7 @@ use crate::shadow_field::{
     traced::{self, Point},
 };
 use glam::Vec3;
-use halfshade_scene::{RadianceMut, Receivers};
+use halfshade_scene::{Lobes, RadianceMut, Receivers};
 use halfshade_sh::haar::{product::product, transform};
 use std::{f32::consts::FRAC_1_PI, ops::Range};
 use wide::f32x8;
@@ -26,6 +26,7 @@ pub(super) fn shade(fields: &HaarFields, receivers: Receivers<'_>, mut out: Radi
         visible: vec![0.0; fields.basis.cube.face_len()],
         product: vec![0.0; fields.basis.cube.face_len()],
         texels: vec![0.0; count],
+        gloss: std::array::from_fn(|_| vec![0.0; count]),
     };
     fields.arrangement.each_part(receivers, |range, part| match part {
         Some(part) => scratch.shade_part(fields, receivers, range, part, &mut out),
@@ -42,8 +43,10 @@ struct Scratch {
     /// One face of what is visible, and of a product.
     visible: Vec<f32>,
     product: Vec<f32>,
-    /// Texels of U, where it is wavelets.
+    /// Texels of U.
     texels: Vec<f32>,
+    /// What a glossy receiver reflects: red, green, blue.
+    gloss: [Vec<f32>; 3],
 }
 
 impl Scratch {
@@ -60,7 +63,12 @@ impl Scratch {
             let position = arrangement.point(receivers.position_at(i).as_dvec3());
             let lanes = position.map(f32x8::splat);
             let normal = arrangement.direction(receivers.normal_at(i));
-            self.set_cosine(fields, normal);
+            let lobes = arrangement.eye_lobes.as_ref().map_or(Lobes::NONE, |lobes| lobes.at(&receivers, i));
+            let is_glossy = !lobes.is_empty();
+            if is_glossy {
+                self.set_gloss(fields, normal, receivers.albedo_at(i), &lobes);
+            }
+            self.set_unit(fields, normal, is_glossy);
             let local = splat_in_object(&arrangement.places[object], position);
             if let Some((vertex, _)) = arrangement.vertex(object, receivers.index[i], local) {
                 fields.known[object].own.add(vertex, 1.0, &mut self.blocked);
@@ -84,42 +92,77 @@ impl Scratch {
                     }
                     Entity::Light(light) => {
                         if fields.source == Source::Together {
-                            self.set_together(fields, point, &order[..number]);
+                            self.set_together(fields, point, &order[..number], is_glossy);
                         }
                         let light = &arrangement.lights[light];
-                        radiance += self.reached(fields, light, position) * Vec3::from(light.radiance);
+                        radiance += self.reached(fields, light, position, is_glossy) * Vec3::from(light.radiance);
                     }
                 }
             }
             if fields.source == Source::Together {
-                self.set_together(fields, point, order);
+                self.set_together(fields, point, order, is_glossy);
             }
-            let texels = self.texels(fields);
-            radiance += Vec3::from(std::array::from_fn(|channel| dot(texels, &fields.light[channel])));
-            out.set(i, receivers.albedo_at(i) * radiance);
+            self.find_texels(fields);
+            let (texels, gloss) = (&self.texels, &self.gloss);
+            radiance += Vec3::from(std::array::from_fn(|channel| match is_glossy {
+                false => dot(texels, &fields.light[channel]),
+                true => dot_three(texels, &gloss[channel], &fields.light[channel]),
+            }));
+            out.set(i, if is_glossy { radiance } else { receivers.albedo_at(i) * radiance });
         }
     }
 
-    /// U = ρ̂: the clamped cosine over π.
-    fn set_cosine(&mut self, fields: &HaarFields, normal: Vec3) {
-        let [x, y, z] = &fields.directions;
-        for (((unit, x), y), z) in self.unit.iter_mut().zip(x).zip(y).zip(z) {
-            *unit = FRAC_1_PI * (x * normal.x + y * normal.y + z * normal.z).max(0.0);
+    /// U = ρ̂: the clamped cosine over π; 1 for a glossy receiver, whose BRDF waits in `gloss`.
+    fn set_unit(&mut self, fields: &HaarFields, normal: Vec3, is_glossy: bool) {
+        if is_glossy {
+            self.unit.fill(1.0);
+        } else {
+            let [x, y, z] = &fields.directions;
+            for (((unit, x), y), z) in self.unit.iter_mut().zip(x).zip(y).zip(z) {
+                *unit = FRAC_1_PI * (x * normal.x + y * normal.y + z * normal.z).max(0.0);
+            }
         }
+        self.enter_basis(fields);
+    }
+
+    /// U as wavelets, if those are multiplied.
+    fn enter_basis(&mut self, fields: &HaarFields) {
         if fields.product == Product::Wavelets {
             forward(fields.basis.cube, &mut self.unit);
         }
     }
 
-    /// U = V ρ̂ with all that hides at once.
-    fn set_together(&mut self, fields: &HaarFields, point: Point, nearer: &[Entity]) {
+    /// All that a receiver reflects, the diffuse part too, by texel and channel.
+    ///
+    /// A lobe that is narrower than texels is made as wide as they are, and keeps its integral.
+    fn set_gloss(&mut self, fields: &HaarFields, normal: Vec3, albedo: Vec3, lobes: &Lobes) {
+        let sharpest = SHARPEST * (fields.basis.cube.side() as f32).powi(2);
+        let [red, green, blue] = &mut self.gloss;
+        for (((direction, red), green), blue) in fields.basis.directions.iter().zip(red).zip(green).zip(blue) {
+            let cosine = direction.dot(normal);
+            let mut sum = Vec3::ZERO;
+            if cosine > 0.0 {
+                sum = FRAC_1_PI * cosine * albedo;
+                for lobe in lobes.iter() {
+                    let exponent = lobe.exponent.min(sharpest);
+                    let kept = (exponent + 1.0) / (lobe.exponent + 1.0);
+                    let along = direction.dot(fields.arrangement.direction(lobe.axis)).clamp(0.0, 1.0);
+                    let foreshortened = if lobe.times_cosine { cosine } else { 1.0 };
+                    sum += kept * foreshortened * power(along, exponent) * lobe.scale;
+                }
+            }
+            (*red, *green, *blue) = sum.into();
+        }
+    }
+
+    /// U = V ρ̂ with all that hides at once; V alone for a glossy receiver.
+    fn set_together(&mut self, fields: &HaarFields, point: Point, nearer: &[Entity], is_glossy: bool) {
         let reached = traced::reached(&fields.arrangement, &fields.traced, point, nearer);
         for (unit, &direction) in self.unit.iter_mut().zip(&fields.basis.directions) {
-            *unit = reached(direction);
+            let reached = reached(direction);
+            *unit = if is_glossy { f32::from(u8::from(reached > 0.0)) } else { reached };
         }
-        if fields.product == Product::Wavelets {
-            forward(fields.basis.cube, &mut self.unit);
-        }
+        self.enter_basis(fields);
     }
 
     /// U = (1 - B) U with the wavelets B in `blocked`, which are then cleared.
@@ -152,33 +195,46 @@ impl Scratch {
         blocked.clear();
     }
 
-    /// U as texels.
-    fn texels(&mut self, fields: &HaarFields) -> &[f32] {
-        match fields.product {
-            Product::Texels => &self.unit,
-            Product::Wavelets => {
-                self.texels.copy_from_slice(&self.unit);
-                inverse(fields.basis.cube, &mut self.texels);
-                &self.texels
-            }
+    /// Sets `texels` to U.
+    fn find_texels(&mut self, fields: &HaarFields) {
+        self.texels.copy_from_slice(&self.unit);
+        if fields.product == Product::Wavelets {
+            inverse(fields.basis.cube, &mut self.texels);
         }
     }
 
-    /// `S_j · U` of a light of radiance 1.
-    fn reached(&mut self, fields: &HaarFields, light: &LocalLight, position: [f32; 3]) -> f32 {
+    /// `S_j · U` of a light of radiance 1, by channel where the BRDF differs among them.
+    fn reached(&mut self, fields: &HaarFields, light: &LocalLight, position: [f32; 3], is_glossy: bool) -> Vec3 {
         let basis = &fields.basis;
         let offset = Vec3::from(light.center) - Vec3::from(position);
         // Within the light it is everywhere it can be, as far as a right angle.
         let sine = (light.radius / offset.length().max(f32::MIN_POSITIVE)).min(1.0);
         let cap = Cap::new(basis, offset.normalize_or(Vec3::Y), sine.asin());
-        let (mut sum, mut covered) = (0.0, 0.0);
-        for (texel, unit) in self.texels(fields).iter().enumerate() {
+        self.find_texels(fields);
+        let (mut sum, mut covered) = (Vec3::ZERO, 0.0);
+        for (texel, unit) in self.texels.iter().enumerate() {
             let weight = cap.coverage(basis, texel) * basis.solid_angles[texel];
-            sum += weight * unit;
-            covered += weight;
+            if weight > 0.0 {
+                let gloss = Vec3::from(self.gloss.each_ref().map(|channel| channel[texel]));
+                sum += weight * unit * if is_glossy { gloss } else { Vec3::ONE };
+                covered += weight;
+            }
         }
-        if covered > 0.0 { sum * (cap.solid_angle() / covered) } else { 0.0 }
+        if covered > 0.0 { sum * (cap.solid_angle() / covered) } else { Vec3::ZERO }
     }
+}
+
+/// Highest exponent over the square of texels along an edge: half of such a lobe lies within a texel of its axis.
+const SHARPEST: f32 = 0.35;
+
+/// `cosine^exponent`, 1 if the exponent is 0 and the cosine isn't.
+fn power(cosine: f32, exponent: f32) -> f32 {
+    if cosine > 0.0 { cosine.powf(exponent) } else { 0.0 }
+}
+
+/// `Σ a b c`.
+fn dot_three(a: &[f32], b: &[f32], c: &[f32]) -> f32 {
+    a.iter().zip(b).zip(c).map(|((a, b), c)| a * b * c).sum()
 }
 
 /// The dot product, eight sums side by side.

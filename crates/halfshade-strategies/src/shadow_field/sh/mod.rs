@@ -1,5 +1,6 @@
 //! Fields of spherical harmonics: soft shadows from few numbers.
 
+mod gloss;
 mod projection;
 mod shade;
 mod shell;
@@ -82,6 +83,10 @@ pub(super) fn bake(
     let table = BlockerTable::build(bands, Quantity::BlockerMinusOne)
         .ok_or_else(|| StrategyError::Failed(format!("{bands} bands: there are kernels for 1 to 8")))?;
     let own_kind = if params.choice("own") == "projected" { OwnKind::Transfer } else { OwnKind::Blocked };
+    if scene.is_glossy() && (own_kind == OwnKind::Transfer || baking.source == Source::Together) {
+        let problem = "own=projected and sampling=together hold the diffuse cosine; glossy reflectance needs others";
+        return Err(StrategyError::Unsupported(problem.into()));
+    }
     let map = params.integer("map");
     let basis = ShBasis::new(bands, map as usize);
     let (known, arrangement) = baking.every_mesh(scene, progress, |mesh| {

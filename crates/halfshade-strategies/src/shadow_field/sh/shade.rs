@@ -1,6 +1,6 @@
 //! Shading as in [Tamura2006, figure 3], eight receivers side by side, one entity after another.
 
-use super::{OwnKind, ShFields, shell::MOST};
+use super::{OwnKind, ShFields, gloss::GlossBatch, shell::MOST};
 use crate::shadow_field::{
     arrangement::{Entity, LocalLight},
     baking::Source,
@@ -8,7 +8,7 @@ use crate::shadow_field::{
     traced::{Point, reached as reached_together},
 };
 use glam::Vec3;
-use halfshade_scene::{RadianceMut, Receivers};
+use halfshade_scene::{RadianceMut, Receivers, lobe::MAX_LOBES};
 use halfshade_sh::kernel::{self, FULL, LANES, ShBatch};
 use std::ops::Range;
 use wide::f32x8;
@@ -36,14 +36,32 @@ fn shade_part<const N: usize>(
         let positions: [[f32; 3]; LANES] =
             std::array::from_fn(|k| arrangement.point(receivers.position_at(lane(k)).as_dvec3()));
         let position: [f32x8; 3] = std::array::from_fn(|axis| f32x8::from(positions.map(|p| p[axis])));
-        let mut unit = own::<N>(fields, object, receivers, &position, lane);
-        let mut radiance = [f32x8::ZERO; 3];
+        let normals: [Vec3; LANES] = std::array::from_fn(|k| arrangement.direction(receivers.normal_at(lane(k))));
+        let normal = std::array::from_fn(|axis| f32x8::from(normals.map(|n| n[axis])));
+        let cosine = kernel::times_bands(&kernel::basis::<f32x8, N>(normal), &fields.cosine);
+        let own = own::<N>(fields, object, receivers, &position, lane);
+        // U of the diffuse part, and of each glossy lobe.
+        let mut units = [[f32x8::ZERO; N]; 1 + MAX_LOBES];
+        units[0] = match &own {
+            Own::Visible(visible) => kernel::product(visible, &cosine),
+            Own::Transfer(transfer, found) => std::array::from_fn(|i| found.select(transfer[i], cosine[i])),
+        };
+        let gloss = arrangement
+            .eye_lobes
+            .as_ref()
+            .map(|lobes| GlossBatch::new(fields, lobes, &receivers, lane, (&normal, &cosine)));
+        if let (Some(gloss), Own::Visible(visible)) = (&gloss, &own) {
+            for (unit, shape) in units[1..].iter_mut().zip(&gloss.shapes[..gloss.count]) {
+                *unit = kernel::product(visible, shape);
+            }
+        }
+        let units = &mut units[..1 + gloss.as_ref().map_or(0, |gloss| gloss.count)];
+        let mut radiance = [[f32x8::ZERO; 3]; 1 + MAX_LOBES];
         let order = arrangement.order(object, part);
         let together = |nearer: &[Entity]| {
             let mut unit = [[0.0_f32; LANES]; N];
             for k in 0..lanes {
-                let normal = arrangement.direction(receivers.normal_at(lane(k)));
-                let point = Point { object, position: positions[k], normal };
+                let point = Point { object, position: positions[k], normal: normals[k] };
                 let vector = fields.basis.project(&reached_together(arrangement, &fields.traced, point, nearer));
                 unit.iter_mut().zip(vector).for_each(|(row, value)| row[k] = value);
             }
@@ -54,40 +72,60 @@ fn shade_part<const N: usize>(
                 Entity::Object(_) if fields.source == Source::Together => {}
                 Entity::Object(other) => {
                     if let Some(visible) = visible::<N>(fields, other, &position) {
-                        unit = kernel::product(&visible, &unit);
+                        units.iter_mut().for_each(|unit| *unit = kernel::product(&visible, unit));
                     }
                 }
                 Entity::Light(light) => {
                     if fields.source == Source::Together {
-                        unit = together(&order[..number]);
+                        units[0] = together(&order[..number]);
                     }
                     let light = &arrangement.lights[light];
-                    let reached = reached::<N>(fields, light, &position, &unit);
-                    (0..3).for_each(|c| radiance[c] += reached * f32x8::splat(light.radiance[c]));
+                    let cap = cap::<N>(fields, light, &position);
+                    for (unit, radiance) in units.iter().zip(&mut radiance) {
+                        let reached = kernel::dot(&cap, unit);
+                        (0..3).for_each(|c| radiance[c] += reached * f32x8::splat(light.radiance[c]));
+                    }
                 }
             }
         }
         if fields.source == Source::Together {
-            unit = together(order);
+            units[0] = together(order);
         }
-        for (values, weights) in unit.iter().zip(&fields.light) {
-            (0..3).for_each(|c| radiance[c] = values.mul_add(f32x8::splat(weights[c]), radiance[c]));
+        for (unit, radiance) in units.iter().zip(&mut radiance) {
+            for (values, weights) in unit.iter().zip(&fields.light) {
+                (0..3).for_each(|c| radiance[c] = values.mul_add(f32x8::splat(weights[c]), radiance[c]));
+            }
+        }
+        let mut glossy = [f32x8::ZERO; 3];
+        if let Some(gloss) = &gloss {
+            for (radiance, scale) in radiance[1..].iter().zip(&gloss.scales[..gloss.count]) {
+                (0..3).for_each(|c| glossy[c] = radiance[c].mul_add(scale[c], glossy[c]));
+            }
         }
         for k in 0..lanes {
-            let white = Vec3::from(radiance.each_ref().map(|channel| channel.as_array()[k]));
-            out.set(start + k, receivers.albedo_at(start + k) * white);
+            let [white, glossy] =
+                [&radiance[0], &glossy].map(|rgb| Vec3::from(rgb.each_ref().map(|c| c.as_array()[k])));
+            out.set(start + k, receivers.albedo_at(start + k) * white + glossy);
         }
     }
 }
 
-/// U of eight receivers, from their vertices, in light space.
+/// What eight receivers know of their own object, in light space.
+enum Own<const N: usize> {
+    /// What it leaves visible.
+    Visible(ShBatch<N>),
+    /// With the cosine over π; and where that is known.
+    Transfer(ShBatch<N>, f32x8),
+}
+
+/// From the receivers' vertices.
 fn own<const N: usize>(
     fields: &ShFields,
     object: usize,
     receivers: Receivers<'_>,
     position: &[f32x8; 3],
     lane: impl Fn(usize) -> usize,
-) -> ShBatch<N> {
+) -> Own<N> {
     let (known, arrangement) = (&fields.known[object], &fields.arrangement);
     let mut local = [[0.0_f32; LANES]; N];
     let mut found = [0.0_f32; LANES];
@@ -96,19 +134,14 @@ fn own<const N: usize>(
         let point = Vec3::from(points.map(|axis| axis[k]));
         if let Some((vertex, is_there)) = arrangement.vertex(object, receivers.index[lane(k)], point) {
             local.iter_mut().zip(&known.own[vertex * N..]).for_each(|(row, &value)| row[k] = value);
-            found[k] = f32::from(is_there || fields.own_kind == OwnKind::Blocked);
+            found[k] = f32::from(is_there);
         }
     }
     let vector = turned(&local.map(f32x8::from), &fields.rotations[object]);
-    let normals: [Vec3; LANES] = std::array::from_fn(|k| arrangement.direction(receivers.normal_at(lane(k))));
-    let basis = kernel::basis::<f32x8, N>(std::array::from_fn(|axis| f32x8::from(normals.map(|n| n[axis]))));
-    let cosine = kernel::times_bands(&basis, &fields.cosine);
-    let unit = match fields.own_kind {
-        OwnKind::Blocked => kernel::product(&one_less(&vector), &cosine),
-        OwnKind::Transfer => vector,
-    };
-    let found = f32x8::from(found).simd_gt(f32x8::ZERO);
-    std::array::from_fn(|i| found.select(unit[i], cosine[i]))
+    match fields.own_kind {
+        OwnKind::Blocked => Own::Visible(one_less(&vector)),
+        OwnKind::Transfer => Own::Transfer(vector, f32x8::from(found).simd_gt(f32x8::ZERO)),
+    }
 }
 
 /// What an object leaves visible of eight places, in light space; `None` if it hides nothing.
@@ -161,8 +194,8 @@ fn turned<const N: usize>(vector: &ShBatch<N>, rotation: &[f32]) -> ShBatch<N> {
     turned
 }
 
-/// `S_j · U` of a light of radiance 1: its cap, dotted.
-fn reached<const N: usize>(fields: &ShFields, light: &LocalLight, position: &[f32x8; 3], unit: &ShBatch<N>) -> f32x8 {
+/// S_j of a light of radiance 1: its cap.
+fn cap<const N: usize>(fields: &ShFields, light: &LocalLight, position: &[f32x8; 3]) -> ShBatch<N> {
     let offset: [f32x8; 3] = std::array::from_fn(|axis| f32x8::splat(light.center[axis]) - position[axis]);
     let squared = offset[0].mul_add(offset[0], offset[1].mul_add(offset[1], offset[2] * offset[2]));
     let squared = squared.fast_max(f32x8::splat(f32::MIN_POSITIVE));
@@ -173,5 +206,5 @@ fn reached<const N: usize>(fields: &ShFields, light: &LocalLight, position: &[f3
     let scale = fields.table.lookup::<N>(sine_squared);
     let mut minus_cap = [f32x8::ZERO; N];
     kernel::accumulate_lobe(direction, &scale, &mut minus_cap);
-    -kernel::dot(&minus_cap, unit)
+    minus_cap.map(|value| -value)
 }
