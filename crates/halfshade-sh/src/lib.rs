@@ -13,7 +13,9 @@
 //! From light: [`lat_long`] projects images, [`quadrature`] functions; [`rotation`] turns SH vectors; [`window`] tames
 //! ringing. [`form_factor`] averages what a receiver sees of a sphere that shines.
 //!
-//! Everything above is f64, for any number of bands, and plain. [`kernel`] holds its f32 twins for 1 to 8 bands, eight
+//! Beside harmonics, [`lobe`] holds cosine lobes: products, integrals, lobes for caps.
+//!
+//! Everything above but [`lobe`] is f64, for any number of bands, and plain. [`kernel`] holds its f32 twins for 1 to 8 bands, eight
 //! vectors side by side, tested against it.
 
 pub mod basis;
@@ -22,6 +24,7 @@ pub mod exponential;
 pub mod form_factor;
 pub mod kernel;
 pub mod lat_long;
+pub mod lobe;
 pub mod logarithm;
 pub mod optimal_linear;
 pub mod product;

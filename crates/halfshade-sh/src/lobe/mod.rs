@@ -1,0 +1,47 @@
+//! Cosine lobes, `c(v) = s·max(a·v, 0)^e`: products, integrals, and the lobe that stands for a cap [Meunier2009, 4 and 5.2].
+
+mod fit;
+mod pair;
+mod plane;
+mod product;
+
+pub use product::{ProductRule, product, product_bound, product_integral};
+
+use std::f64::consts::TAU;
+
+/// Exponents are clamped to this.
+///
+/// [Meunier2009, 4.1] ends its table at 1e5. Nothing here needs an end; this one is where the rounding of an axis to f32 is
+/// a part in 5000 of the lobe's width `1/sqrt(e)`.
+pub const MAX_EXPONENT: f64 = 1e7;
+
+/// `s·max(a·v, 0)^e` [Meunier2009, eq. 4]. With e = 0 it is s on the hemisphere about the axis, the limit of small e.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lobe {
+    /// a, of unit length; functions divide by another length.
+    pub axis: [f64; 3],
+    /// e, the *thickness* of the paper, clamped to [0, [`MAX_EXPONENT`]].
+    pub exponent: f64,
+    /// s, the value on the axis, of any sign.
+    pub scale: f64,
+}
+
+impl Lobe {
+    /// The value in a unit direction.
+    pub fn value(&self, direction: [f64; 3]) -> f64 {
+        let axis = pair::unit(self.axis);
+        let cosine = crate::basis::dot(&axis, &direction);
+        if cosine > 0.0 { self.scale * cosine.powf(finite_exponent(self.exponent)) } else { 0.0 }
+    }
+
+    /// `∫ c dω = 2π s/(e+1)`, exactly, in steradians times the unit of the scale: [Meunier2009, 4.2] tabulates it.
+    pub fn integral(&self) -> f64 {
+        self.scale * TAU / (finite_exponent(self.exponent) + 1.0)
+    }
+}
+
+/// An exponent in [0, [`MAX_EXPONENT`]]; NaN counts as 0.
+fn finite_exponent(exponent: f64) -> f64 {
+    // Not `clamp`, which keeps NaN.
+    if exponent > 0.0 { exponent.min(MAX_EXPONENT) } else { 0.0 }
+}
