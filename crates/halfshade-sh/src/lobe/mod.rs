@@ -1,11 +1,15 @@
 //! Cosine lobes, `c(v) = s·max(a·v, 0)^e`: products, integrals, and the lobe that stands for a cap [Meunier2009, 4 and 5.2].
 
+mod batch;
 mod fit;
 mod pair;
 mod plane;
 mod product;
+mod table;
 
+pub use batch::Lobe8;
 pub use product::{ProductRule, product, product_bound, product_integral};
+pub use table::LobeTable;
 
 use std::f64::consts::TAU;
 
