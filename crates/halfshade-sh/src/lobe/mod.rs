@@ -1,6 +1,8 @@
 //! Cosine lobes, `c(v) = s·max(a·v, 0)^e`: products, integrals, and the lobe that stands for a cap [Meunier2009, 4 and 5.2].
 
 mod batch;
+mod cap;
+mod cap_table;
 mod fit;
 mod pair;
 mod plane;
@@ -8,6 +10,8 @@ mod product;
 mod table;
 
 pub use batch::Lobe8;
+pub use cap::{CapFit, cap_distance, cap_lobe};
+pub use cap_table::CapTable;
 pub use product::{ProductRule, product, product_bound, product_integral};
 pub use table::LobeTable;
 
