@@ -49,8 +49,8 @@ impl Lobe8 {
 impl LobeTable {
     /// `a·b` as lobes: the twin of [`product`](super::product), with the errors of `table.rs`.
     ///
-    /// Where the axes are opposite, or nothing of the product is left in f32 (below 1e-34 of the scales), the scale is 0.
-    /// Axes that are not of unit length, or not finite, give some finite exponent and no panic.
+    /// Of opposite axes nothing is left but rounding, and what is below 1e-34 of the scales is 0. Axes that are not of unit
+    /// length, or not finite, give some answer and no panic.
     #[inline(always)]
     pub fn product8(&self, a: &Lobe8, b: &Lobe8) -> Lobe8 {
         let product = Product8::new(a, b);
@@ -110,12 +110,12 @@ struct Angle8 {
 impl Angle8 {
     #[inline(always)]
     fn between(a: &[f32x8; 3], b: &[f32x8; 3]) -> Self {
-        let squared = |[x, y, z]: [f32x8; 3]| x.mul_add(x, y.mul_add(y, z * z)).max(f32x8::ZERO);
-        let p = squared(std::array::from_fn(|axis| a[axis] + b[axis]));
-        let q = squared(std::array::from_fn(|axis| a[axis] - b[axis]));
-        let inverse = f32x8::ONE / (p + q).max(TINY);
-        let (p, q) = ((p * inverse).max(f32x8::ZERO), (q * inverse).max(f32x8::ZERO));
-        Self { sine: ((p * q).sqrt() * f32x8::splat(2.0)).fast_min(f32x8::ONE), cosine: p - q }
+        // A quarter of a square, at most 1 and never NaN whatever the axes.
+        let quarter =
+            |[x, y, z]: [f32x8; 3]| (x.mul_add(x, y.mul_add(y, z * z)) * f32x8::splat(0.25)).fast_min(f32x8::ONE);
+        let p = quarter(std::array::from_fn(|axis| a[axis] + b[axis]));
+        let q = quarter(std::array::from_fn(|axis| a[axis] - b[axis]));
+        Self { sine: (p * q).sqrt() * f32x8::splat(2.0), cosine: p - q }
     }
 }
 
@@ -127,6 +127,8 @@ struct Saddle8 {
     sine: f32x8,
     cosines: f32x8,
     sines: f32x8,
+    /// Of the cosines.
+    inverse: f32x8,
 }
 
 impl Saddle8 {
@@ -137,15 +139,16 @@ impl Saddle8 {
         let (first, second) = (e1 * twice, e2 * twice);
         let product = first * second * sine * sine;
         let large = cosine.mul_add(cosine, product).sqrt() + cosine.abs();
-        let small = product / large.max(TINY);
+        let small = product / large.fast_max(TINY);
         let acute = cosine.simd_ge(f32x8::ZERO);
-        Self { first, second, sine, cosines: acute.select(large, small).max(TINY), sines: acute.select(small, large) }
+        let cosines = acute.select(large, small).fast_max(TINY);
+        Self { first, second, sine, cosines, sines: acute.select(small, large), inverse: f32x8::ONE / cosines }
     }
 
     /// `cos(x)^e1 cos(α-x)^e2` there; 0 where it is below 1e-34, so that nothing becomes subnormal.
     #[inline(always)]
     fn value(&self, e1: f32x8, e2: f32x8) -> f32x8 {
-        let scale = self.sine / self.cosines;
+        let scale = self.sine * self.inverse;
         let (t1, t2) = (self.second * scale, self.first * scale);
         // Tangents beyond this would overflow when squared.
         let ln_1p_squared = |t: f32x8| {
@@ -158,15 +161,18 @@ impl Saddle8 {
 
     #[inline(always)]
     fn direction(&self, a: &[f32x8; 3], b: &[f32x8; 3]) -> [f32x8; 3] {
-        let weight = |share: f32x8| {
+        // Each weight as in f64, times the product of both denominators.
+        let denominator = |share: f32x8| {
             let across = share * self.sine;
-            share / across.mul_add(across, self.cosines * self.cosines).max(TINY).sqrt()
+            across.mul_add(across, self.cosines * self.cosines).sqrt()
         };
-        let (wa, wb) = (weight(self.first), weight(self.second));
+        let (wa, wb) = (self.first * denominator(self.second), self.second * denominator(self.first));
         let sum: [f32x8; 3] = std::array::from_fn(|axis| wa.mul_add(a[axis], wb * b[axis]));
         let squared = sum[0].mul_add(sum[0], sum[1].mul_add(sum[1], sum[2] * sum[2]));
-        let inverse = f32x8::ONE / squared.max(TINY).sqrt();
-        let defined = squared.simd_gt(TINY);
+        // Opposite axes leave nothing.
+        let least = f32x8::splat(1e-36);
+        let defined = squared.simd_gt(least);
+        let inverse = f32x8::ONE / squared.fast_max(least).sqrt();
         std::array::from_fn(|axis| defined.select(sum[axis] * inverse, a[axis]))
     }
 }
@@ -192,12 +198,13 @@ impl Product8 {
         let angle = Angle8::between(&a.axis, &b.axis);
         let (f1, f2) = (e1 + f32x8::ONE, e2 + f32x8::ONE);
         let balanced = Saddle8::new(f1, f2, angle);
-        let ratio = balanced.sines / balanced.cosines;
+        let ratio = balanced.sines * balanced.inverse;
         let sum = f1 + f2;
         // (E+2)/g - 1 as (E+1) + (E+2)(1/g - 1).
         let in_plane = sum.mul_add(ratio, sum - f32x8::ONE);
         let g = f32x8::ONE / (f32x8::ONE + ratio);
-        let skew = sum / (f1 * f2) - f32x8::splat(4.0) / sum;
+        let apart = e1 - e2;
+        let skew = apart * apart / (f1 * f2 * sum);
         let polynomial = g.mul_add(g.mul_add(f32x8::splat(10.0), f32x8::ONE), f32x8::ONE);
         Self {
             e1,

@@ -40,17 +40,34 @@ pub(super) fn least_squares(e1: f64, e2: f64, plane: &Plane, axis: f64) -> Fit {
     Fit { exponent, scale: integral * (2.0 * exponent + 1.0) / TAU }
 }
 
-/// Where `slope` falls through 0, given that it is positive at 0: bisection in ln(e+1), which needs no start value.
+/// Where `slope` falls through 0, given that it is positive at 0: false position (its Illinois variant) in ln(e+1), on the slope times
+/// e+1, which is then neither steep nor flat.
 fn root(slope: impl Fn(f64) -> f64, guess: f64) -> f64 {
-    let (mut low, mut high) = (0.0, (2.0 * guess + 3.0).ln());
-    while slope(high.exp_m1()) > 0.0 && high < 40.0 {
-        (low, high) = (high, high + 1.0);
+    let at = |ln: f64| (ln, slope(ln.exp_m1()) * ln.exp());
+    let (mut low, mut high) = (at(0.0), at((2.0 * guess + 3.0).ln()));
+    while high.1 > 0.0 && high.0 < 40.0 {
+        (low, high) = (high, at(high.0 + 1.0));
     }
-    for _ in 0..36 {
-        let middle = 0.5 * (low + high);
-        if slope(middle.exp_m1()) > 0.0 { low = middle } else { high = middle }
+    // An end that stays twice counts half, so that the other can't creep.
+    let (mut low_value, mut high_value, mut last) = (low.1, high.1, None);
+    for _ in 0..80 {
+        let middle = at((low.0 * high_value - high.0 * low_value) / (high_value - low_value));
+        let above = middle.1 > 0.0;
+        let stays_again = last.replace(above) == Some(above);
+        let step = if above {
+            high_value *= if stays_again { 0.5 } else { 1.0 };
+            low_value = middle.1;
+            middle.0 - std::mem::replace(&mut low, middle).0
+        } else {
+            low_value *= if stays_again { 0.5 } else { 1.0 };
+            high_value = middle.1;
+            std::mem::replace(&mut high, middle).0 - middle.0
+        };
+        if middle.1 == 0.0 || step.abs() < 1e-11 || !middle.0.is_finite() {
+            return middle.0.exp_m1();
+        }
     }
-    (0.5 * (low + high)).exp_m1()
+    (0.5 * (low.0 + high.0)).exp_m1()
 }
 
 #[cfg(test)]
