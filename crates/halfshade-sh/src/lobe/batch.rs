@@ -234,7 +234,7 @@ mod tests {
         let mut random = Pcg64Mcg::seed_from_u64(11);
         (0..count)
             .map(|_| {
-                let exponents: [f64; 2] = std::array::from_fn(|_| 10f64.powf(random.random_range(0.0..5.0)));
+                let exponents: [f64; 2] = std::array::from_fn(|_| 10f64.powf(random.random_range(-1.5..5.0)));
                 let (axis, other) = (random_axis(&mut random), random_axis(&mut random));
                 let reach = random.random_range(0.0..4.0) / (1.0 + exponents[0].min(exponents[1])).sqrt();
                 let near = super::super::pair::unit(std::array::from_fn(|i| axis[i] + reach * other[i]));
@@ -257,16 +257,19 @@ mod tests {
             let integral = product_integral(&a, &b);
             let found = f64::from(table.product_integral8(&a8, &b8).to_array()[0]);
             // Rounding of the axes in f32 moves the logarithm by up to 1e-7 times exponent times angle.
-            assert!((found - integral).abs() < 4e-4 * integral.abs() + 1e-6, "{a:?} {b:?}: {found} {integral}");
+            assert!((found - integral).abs() < 8e-4 * integral.abs() + 1e-6, "{a:?} {b:?}: {found} {integral}");
             let bound = f64::from(a8.product_bound(&b8).to_array()[1]);
             assert!((bound - product_bound(&a, &b)).abs() < 4e-4 * bound + 1e-12);
             for table in &tables {
                 let rule = table.rule();
                 let (found, expected) = (table.product8(&a8, &b8).lane(3), product(&a, &b, rule));
+                // The published rule is rough below an exponent of 1.
+                let smooth = rule == ProductRule::Moments || a.exponent.min(b.exponent) >= 1.0;
+                let close = if smooth { 4e-3 } else { 0.1 };
                 let exponent = (found.exponent + 1.0) / (expected.exponent + 1.0);
-                assert!((exponent - 1.0).abs() < 4e-3, "{a:?} {b:?} {rule:?}: {exponent}");
+                assert!((exponent - 1.0).abs() < close, "{a:?} {b:?} {rule:?}: {exponent}");
                 let difference = (found.integral() - expected.integral()).abs();
-                assert!(difference < 4e-3 * integral.abs() + 1e-6, "{a:?} {b:?} {rule:?}");
+                assert!(difference < close * integral.abs() + 1e-6, "{a:?} {b:?} {rule:?}");
                 // Squared distance of the axes in widths of the lobe.
                 let axis = super::super::pair::unit(found.axis);
                 let off: f64 = (0..3).map(|i| (axis[i] - expected.axis[i]).powi(2)).sum();
