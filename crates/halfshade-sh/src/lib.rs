@@ -1,4 +1,4 @@
-//! Spherical and zonal harmonics, Haar wavelets: an f64 reference path beside batched f32 kernels.
+//! Spherical and zonal harmonics, Haar wavelets, cosine lobes: an f64 reference path beside batched f32 kernels.
 //!
 //! Mathematics only: no scene, no light, no renderer. Directions are `[x, y, z]` of unit length; the polar axis of the
 //! basis is +z; `n` bands have `n²` coefficients, index `l(l+1) + m`, with the Condon-Shortley factor inside
@@ -13,10 +13,11 @@
 //! From light: [`lat_long`] projects images, [`quadrature`] functions; [`rotation`] turns SH vectors; [`window`] tames
 //! ringing. [`form_factor`] averages what a receiver sees of a sphere that shines.
 //!
-//! [`haar`] is the other basis, for edges: wavelets on the faces of a cube.
+//! Beside harmonics, [`haar`] holds wavelets on the faces of a cube, for edges, and [`lobe`] cosine lobes: products,
+//! integrals, lobes for caps.
 //!
-//! All that deals with spherical harmonics above is f64, for any number of bands, and plain. [`kernel`] holds its f32 twins for 1 to 8 bands, eight
-//! vectors side by side, tested against it.
+//! All that deals with harmonics is f64, for any number of bands, and plain; [`kernel`] holds its f32 twins for 1 to 8
+//! bands, eight vectors side by side, tested against it.
 
 pub mod basis;
 pub mod blocker_table;
@@ -25,6 +26,7 @@ pub mod form_factor;
 pub mod haar;
 pub mod kernel;
 pub mod lat_long;
+pub mod lobe;
 pub mod logarithm;
 pub mod optimal_linear;
 pub mod product;
