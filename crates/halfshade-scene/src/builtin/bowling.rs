@@ -6,6 +6,7 @@ use super::ground::ground;
 use super::gutter::{self, gutter};
 use super::lathe::lathe;
 use super::physics::{Contact, Piece, RigidBody, simulate};
+use super::polish::polished;
 use super::profile::spline_profile;
 use super::{choreography, shapes, studio};
 use crate::{Camera, Material, Mesh, Motion, Object, Pose, Scene, SphereLight};
@@ -92,7 +93,8 @@ fn simulated() -> Scene {
         Object {
             name,
             mesh: mesh.clone(),
-            material: Material::default(),
+            // As in the paper, whose ball becomes glossy.
+            material: if number == 0 { polished(Vec3::ONE) } else { Material::default() },
             sphere_count,
             spheres: None,
             cluster_count: 2,

@@ -3,6 +3,7 @@
 
 use super::ground::ground;
 use super::physics::{Contact, Piece, RigidBody, simulate};
+use super::polish::polished;
 use super::toys::{self, Toy};
 use super::{bowling, daylight, squirrel_and_balls, statues, vases};
 use crate::{Camera, Material, Mesh, Object, Pose, Scene};
@@ -46,6 +47,9 @@ const FALLING: [(&str, f32, [f32; 3], usize); 19] = [
     ("bottle", 0.55, [1.0, 1.0, 1.0], 6),
 ];
 
+/// Toys that shine.
+const POLISHED: [&str; 3] = ["teapot", "ball", "drum"];
+
 /// The scene, simulated once.
 pub(super) fn scene() -> Scene {
     static SCENE: LazyLock<Scene> = LazyLock::new(simulated);
@@ -84,7 +88,7 @@ fn simulated() -> Scene {
         Object {
             name: format!("{name} {}", number + 1),
             mesh: toy(name).1.clone(),
-            material: Material::new(tint.into()),
+            material: if POLISHED.contains(&name) { polished(tint.into()) } else { Material::new(tint.into()) },
             sphere_count: spheres,
             spheres: None,
             cluster_count: 4,

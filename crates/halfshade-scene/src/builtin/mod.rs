@@ -27,6 +27,7 @@ mod hand;
 mod implicit;
 mod lathe;
 mod physics;
+mod polish;
 mod polygonize;
 mod profile;
 pub mod shapes;
@@ -34,6 +35,7 @@ mod small;
 mod squirrel_and_balls;
 mod statues;
 mod studio;
+mod teapot_and_statue;
 mod toys;
 mod vases;
 
@@ -55,6 +57,7 @@ pub const SCENES: &[(&str, &str)] = &[
     ("statues", "five long figures moved about under two lamps (33k vertices, 60 spheres)"),
     ("bowling", "a ball rolls into ten pins under two lamps (41k vertices, 71 spheres)"),
     ("falling", "nineteen toys drop onto a heap in daylight (89k vertices, 153 spheres)"),
+    ("teapot-and-statue", "a teapot and a statue on a slab in a studio's soft light: round, long and flat"),
     ("one-sphere", "a sphere over a plane under constant light: its shadow has a closed form"),
     ("glossy-sphere", "a sphere whose gloss varies under one spherical light, without blockers (66k vertices)"),
     ("crowd", "64 tumbling blobs over a plane, 256 spheres: many blockers at once"),
@@ -70,6 +73,7 @@ pub fn scene(name: &str) -> Option<Scene> {
         "statues" => statues::scene(),
         "bowling" => bowling::scene(),
         "falling" => falling::scene(),
+        "teapot-and-statue" => teapot_and_statue::scene(),
         "one-sphere" => small::one_sphere(),
         "glossy-sphere" => glossy_sphere::scene(),
         "crowd" => small::crowd(),

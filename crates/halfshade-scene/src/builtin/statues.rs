@@ -3,6 +3,7 @@
 use super::choreography::{DURATION_SECS, FRAME_COUNT, FRAMES_PER_SEC, keyframes, upright, wave};
 use super::ground::ground;
 use super::lathe::lathe;
+use super::polish::polished;
 use super::polygonize::polygonize;
 use super::profile::spline_profile;
 use super::{figures, studio};
@@ -26,6 +27,7 @@ struct Statue {
     turns: f32,
     swing: f32,
     phase: f64,
+    polished: bool,
     spheres: usize,
 }
 
@@ -39,6 +41,7 @@ const STATUES: [Statue; 5] = [
         turns: 1.0,
         swing: 0.0,
         phase: 0.0,
+        polished: false,
         spheres: 12,
     },
     Statue {
@@ -50,6 +53,7 @@ const STATUES: [Statue; 5] = [
         turns: 0.0,
         swing: 0.7,
         phase: 0.3,
+        polished: false,
         spheres: 16,
     },
     Statue {
@@ -61,6 +65,7 @@ const STATUES: [Statue; 5] = [
         turns: 0.0,
         swing: 0.5,
         phase: 0.55,
+        polished: true,
         spheres: 8,
     },
     Statue {
@@ -72,6 +77,7 @@ const STATUES: [Statue; 5] = [
         turns: 0.0,
         swing: 0.6,
         phase: 0.8,
+        polished: false,
         spheres: 14,
     },
     Statue {
@@ -83,6 +89,7 @@ const STATUES: [Statue; 5] = [
         turns: -1.0,
         swing: 0.0,
         phase: 0.15,
+        polished: true,
         spheres: 10,
     },
 ];
@@ -93,7 +100,7 @@ pub(super) fn scene() -> Scene {
     objects.extend(STATUES.iter().map(|statue| Object {
         name: statue.name.into(),
         mesh: Arc::new((statue.mesh)()),
-        material: Material::default(),
+        material: if statue.polished { polished(Vec3::ONE) } else { Material::default() },
         sphere_count: statue.spheres,
         spheres: None,
         cluster_count: 8,
