@@ -5,7 +5,7 @@
 //! ```
 //!
 //! Every light is sampled twice, with equally many directions: where it shines (its map's radiance, its cap) and where the
-//! receiver reflects ([`Mixture`]), combined with the balance heuristic [Veach1995]. A narrow lobe in a wide light and a
+//! receiver reflects ([`Mixture`]), combined with the balance heuristic \[Veach1995\]. A narrow lobe in a wide light and a
 //! small light in a wide lobe are both found, and no sample outweighs the rest: `c/density` is bounded by the lobes'
 //! integrals, `L_in/density` by the light's. Light that is all around is only sampled by reflectance.
 //!
