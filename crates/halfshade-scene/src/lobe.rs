@@ -5,7 +5,7 @@ use std::f32::consts::FRAC_1_PI;
 use std::f64::consts::TAU;
 use std::ops::Deref;
 
-/// Most lobes beside the diffuse one. [Lafortune1997] fits measured surfaces with at most three.
+/// Most lobes beside the diffuse one. \[Lafortune1997\] fits measured surfaces with at most three.
 pub const MAX_LOBES: usize = 4;
 
 /// One lobe of the reflectance towards a fixed eye, as [Meunier2009, eq. 30] writes it:

@@ -21,7 +21,7 @@ pub enum Reflectance {
     /// Nothing: a diffuse surface.
     #[default]
     Lambert,
-    /// `specular · max(r·v, 0)^exponent`: the original model without any cosine [Phong1975], as [Meunier2009, eq. 24] uses it
+    /// `specular · max(r·v, 0)^exponent`: the original model without any cosine \[Phong1975\], as [Meunier2009, eq. 24] uses it
     /// (whose k_d is albedo/π). It conserves no energy and isn't reciprocal.
     Phong {
         /// k_s, per channel, 0 to [`MAX_SCALE`].
@@ -29,7 +29,7 @@ pub enum Reflectance {
         /// e_s, 0 to [`MAX_EXPONENT`].
         exponent: f32,
     },
-    /// `specular · (e + 2)/(2π) · max(r·v, 0)^e · max(n·v, 0)`: the modified model [Lewis1994]. A surface whose albedo and
+    /// `specular · (e + 2)/(2π) · max(r·v, 0)^e · max(n·v, 0)`: the modified model \[Lewis1994\]. A surface whose albedo and
     /// specular add up to at most 1 reflects no more than it receives.
     ModifiedPhong {
         /// Reflected fraction where r = n, per channel; with the albedo at most 1.
@@ -37,7 +37,7 @@ pub enum Reflectance {
         /// e, 0 to [`MAX_EXPONENT`].
         exponent: f32,
     },
-    /// `Σ scale · max(v^T M v_o, 0)^exponent · max(n·v, 0)` [Lafortune1997], at most [`MAX_LOBES`] terms.
+    /// `Σ scale · max(v^T M v_o, 0)^exponent · max(n·v, 0)` \[Lafortune1997\], at most [`MAX_LOBES`] terms.
     Lafortune {
         /// The terms.
         lobes: Vec<LafortuneLobe>,

@@ -43,13 +43,13 @@ pub struct Scene {
     pub environment_turn_per_sec: f32,
     /// Local spherical lights, with their motion (position of the pose moves the centre, scale the radius).
     pub lights: Vec<(SphereLight, Motion)>,
-    /// The camera of pictures.
+    /// The camera of pictures. Its eye is also where glossy receivers are seen from, vertices too.
     pub camera: Camera,
     /// Frames per second of the animation's time line.
     pub frames_per_sec: f64,
     /// Length of the animation in frames, at least 1.
     pub frame_count: usize,
-    /// How many diffuse bounces of light are asked for: 0 is direct light alone. At most [`MAX_BOUNCES`].
+    /// How many bounces of light are asked for: 0 is direct light alone. At most [`MAX_BOUNCES`].
     pub bounces: usize,
 }
 

@@ -53,8 +53,9 @@ pub trait Baked: Send + Sync {
     /// Once per frame: poses, lights. Calling it twice with the same frame changes nothing.
     fn prepare(&mut self, frame: &Frame<'_>) -> Result<(), StrategyError>;
 
-    /// Outgoing RGB radiance of a batch of diffuse receivers, toward the eye:
-    /// `albedo/π · ∫ L V max(n·ω, 0) dω`. Called from many threads at once on parts of the receivers; how they are split
+    /// Outgoing RGB radiance of a batch of receivers, toward the eye:
+    /// `albedo/π · ∫ L V max(n·ω, 0) dω`, and the same over the lobes of glossy receivers ([`halfshade_scene::EyeLobes`]).
+    /// Called from many threads at once on parts of the receivers; how they are split
     /// must change no bit. Allocates nothing per receiver.
     fn shade(&self, receivers: Receivers<'_>, out: RadianceMut<'_>);
 }

@@ -1,6 +1,7 @@
-//! The estimator: direct light at diffuse receivers, with a standard error for every value.
+//! The estimator: direct light at receivers, with a standard error for every value.
 //!
-//! `L = albedo/π · ∫ L_in(ω) V(ω) max(n·ω, 0) dω` is a sum of integrals over lights (see [`crate::lights`]).
+//! `L = albedo/π · ∫ L_in(ω) V(ω) max(n·ω, 0) dω` is a sum of integrals over lights (see [`crate::lights`]); a glossy receiver
+//! adds those over its lobes (see [`crate::glossy`]).
 //!
 //! **Standard error.** Low-discrepancy points are not independent, so the spread of samples says nothing about the error
 //! of their mean. Every estimate is therefore the mean of [`REPLICATES`] independently scrambled estimates, and its
@@ -61,7 +62,8 @@ pub enum Transport {
     /// Direct light with shadows.
     #[default]
     Shadowed,
-    /// The same integrals with visibility 1: closed forms and deterministic quadrature, no samples, no standard error.
+    /// The same integrals with visibility 1: closed forms and deterministic quadrature, no samples, no standard error. Those
+    /// over the lobes of glossy receivers are sampled.
     Unshadowed,
 }
 
@@ -73,12 +75,12 @@ pub struct Options {
     /// Whether anything blocks.
     pub transport: Transport,
     /// Samples per receiver and technique (one technique for constant light, two for a map, one more for a sun and for
-    /// each local light, two for a local light that is wide). Rounded up to a multiple of [`REPLICATES`]; powers of two
+    /// each local light, two for a local light that is wide; at most two more for each light at glossy receivers). Rounded up to a multiple of [`REPLICATES`]; powers of two
     /// from 64 on use the points best. At most [`MAX_SAMPLES`]. With a noise target, where to start.
     pub samples: usize,
     /// Go on until [`Estimate::relative_rms_standard_error`] is at most this, or `max_samples` are used up.
     pub noise_target: Option<f64>,
-    /// Diffuse bounces on top of direct light, see [`crate`]: 0 is direct light alone. As many paths as samples.
+    /// Bounces on top of direct light, see [`crate`]: 0 is direct light alone. As many paths as samples.
     pub bounces: usize,
     /// Most samples per receiver and technique that a noise target may take.
     pub max_samples: usize,
@@ -104,7 +106,7 @@ impl Default for Options {
 /// Outgoing radiance of every receiver, and how well it is known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate {
-    /// Outgoing radiance: albedo/π times irradiance.
+    /// Outgoing radiance: albedo/π times irradiance, and towards the eye what lobes reflect.
     pub radiance: RadianceBuffer,
     /// One standard error of each value.
     pub standard_error: RadianceBuffer,

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! Every light is sampled twice, with equally many directions: where it shines (its map's radiance, its cap) and where the
-//! receiver reflects ([`Mixture`]), combined with the balance heuristic [Veach1995]. A narrow lobe in a wide light and a
+//! receiver reflects ([`Mixture`]), combined with the balance heuristic \[Veach1995\]. A narrow lobe in a wide light and a
 //! small light in a wide lobe are both found, and no sample outweighs the rest: `c/density` is bounded by the lobes'
 //! integrals, `L_in/density` by the light's. Light that is all around is only sampled by reflectance.
 //!
@@ -13,7 +13,7 @@
 //! visibility 1.
 
 use crate::{
-    batch::{BATCH, Batch},
+    batch::Batch,
     lights::Integral,
     mixture::Mixture,
     points::{Scramble, unit_f64},
@@ -45,7 +45,7 @@ impl<'a> GlossyIntegral<'a> {
         Self { source: tracer.lights.source(integral, receiver, &tracer.space), mixture }
     }
 
-    /// Draws samples for at most [`BATCH`] points: values are radiance times reflectance over the densities' sum. `false`
+    /// Draws samples for at most one batch of points: values are radiance times reflectance over the densities' sum. `false`
     /// if this way isn't taken.
     pub(crate) fn sample(&self, way: Way, points: &[[u32; 2]], scramble: Scramble, batch: &mut Batch) -> bool {
         let densities = match way {
@@ -65,13 +65,13 @@ impl<'a> GlossyIntegral<'a> {
     }
 
     fn weigh(&self, densities: &Densities, batch: &mut Batch) {
-        for k in 0..batch.len.min(BATCH) {
+        for (k, &by_light) in densities.iter().enumerate().take(batch.len) {
             if !batch.carries_light(k) {
                 continue;
             }
             let direction = DVec3::from_array(std::array::from_fn(|axis| f64::from(batch.direction[axis][k])));
             let (reflectance, density) = self.mixture.evaluate(direction);
-            let sum = density + densities[k];
+            let sum = density + by_light;
             let weight = if sum > 0.0 { reflectance / sum } else { DVec3::ZERO };
             let radiance = DVec3::from_array(std::array::from_fn(|channel| f64::from(batch.value[channel][k])));
             batch.set_value(k, (radiance * weight).as_vec3().to_array());

@@ -1,12 +1,14 @@
 //! Ray-traced truth with its own standard error.
 //!
-//! Outgoing radiance of diffuse receivers under direct light with shadows,
+//! Outgoing radiance of receivers under direct light with shadows,
 //!
 //! ```text
 //! L = albedo/π · [ ∫ L_distant(ω) V(ω) max(n·ω, 0) dω + Σ over local lights ∫ L_light V(ω) max(n·ω, 0) dω ]
 //! ```
 //!
-//! and, if asked for, the light that surfaces reflect b times on its way (see `paths.rs`), in the units of the scene's radiance, one value and one standard error per receiver and channel. This crate shares no
+//! and, if asked for, the light that surfaces reflect b times on its way (see `paths.rs`), in the units of the scene's
+//! radiance, one value and one standard error per receiver and channel. Glossy receivers add the same integrals over their
+//! lobes towards the eye ([`halfshade_scene::EyeLobes`], see `glossy.rs`). This crate shares no
 //! code with the strategies that it judges: a shared mistake would cancel out in the score.
 //!
 //! - **Geometry**: the meshes, all of them, both faces; or the sphere sets, each sphere adjusted to the receiver.
@@ -15,6 +17,7 @@
 //!   space where the scene has a fixed size about the origin.
 //! - **Light**: constant, map, sun and spheres are separate integrals. Maps are sampled by cosine and by radiance, wide
 //!   lights by solid angle and by cosine, combined with the balance heuristic.
+//!   Lobes are sampled as well, up to exponents of 10^5.
 //! - **Noise**: Owen-scrambled Sobol points, sixteen independent scramblings per value whose spread is the standard
 //!   error, and the known unshadowed value as control variate.
 //! - **Limits**: single precision in tracing space resolves a millionth of half the scene's extent; nothing smaller casts

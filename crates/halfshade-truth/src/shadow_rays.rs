@@ -21,7 +21,7 @@ pub struct ShadowRay {
 }
 
 /// The rays that [`crate::estimate`] traces for a fixed number of samples, in the same order: to inspect them, and to
-/// compare its speed with that of other tracers.
+/// compare its speed with that of other tracers. Rays that lobes draw are left out.
 pub fn shadow_rays(tracer: &Tracer, receivers: Receivers<'_>, options: &Options) -> Vec<ShadowRay> {
     let points = Points::first(options.samples.clamp(1, MAX_SAMPLES).div_ceil(REPLICATES));
     let (mut batch, mut rays) = (Batch::new(), Vec::new());

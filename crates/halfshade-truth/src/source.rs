@@ -76,13 +76,13 @@ impl Source<'_> {
                 let (axis, inside) = (cap.axes.axis.as_dvec3(), cap.is_around());
                 let sine_limit = cap.one_minus_cosine * (2.0 - cap.one_minus_cosine);
                 let density = if inside { 0.0 } else { cap.density() };
-                for k in 0..batch.len {
+                for (k, found) in densities.iter_mut().enumerate().take(batch.len) {
                     let direction = DVec3::from_array(std::array::from_fn(|i| f64::from(batch.direction[i][k])));
                     let (across, along) = (direction.cross(axis).length_squared(), direction.dot(axis));
                     let hits = inside || (along > 0.0 && across < sine_limit);
                     batch.set_value(k, if hits { cap.radiance.to_array() } else { [0.0; 3] });
                     batch.distance[k] = cap.ray_length(along as f32, across as f32);
-                    densities[k] = if hits { density } else { 0.0 };
+                    *found = if hits { density } else { 0.0 };
                 }
             }
         }

@@ -15,7 +15,7 @@ use std::sync::Arc;
 const SIDE: usize = 256;
 
 /// The sharpest highlight's exponent, and the dullest's.
-const EXPONENTS: [f64; 2] = [600.0, 6.0];
+const EXPONENTS: [f64; 2] = [200.0, 4.0];
 
 pub(super) fn scene() -> Scene {
     let lobes = vec![
@@ -89,15 +89,15 @@ fn mesh() -> Mesh {
     Mesh { positions, normals, triangles, ..Mesh::default() }
 }
 
-/// Exponents that fall by the hundredth around the sphere and come back, on waves of strong and faint gloss. What an
+/// Exponents that fall to a fiftieth and come back seven times around the sphere, on waves of strong and faint gloss. What an
 /// exponent takes from a highlight's height it gives to its width: scales go with (e + 2).
 fn pattern() -> Vec<Gloss> {
     let [sharp, dull] = EXPONENTS;
     angles()
         .map(|[polar, azimuth]| {
-            let dullness = 0.5 - 0.5 * (2.0 * azimuth).cos();
+            let dullness = 0.5 - 0.5 * (7.0 * azimuth + 1.0).cos();
             let factor = (dull / sharp).powf(dullness);
-            let wave = (8.0 * polar).sin() * (12.0 * azimuth).sin();
+            let wave = (18.0 * polar).sin() * (24.0 * azimuth).sin();
             let strength = 0.25 + 0.75 / (1.0 + (-8.0 * wave).exp());
             let scale = strength * (sharp * factor + 2.0) / (sharp + 2.0);
             let tint = 0.3 * (5.0 * polar).cos().powi(2);

@@ -7,7 +7,8 @@
 //! Constant light, the sun and local spheres are closed forms. A map's irradiance is tabulated over normals in the
 //! environment's own space, so that turning the environment costs a rotation per receiver and no rebuilding. It isn't
 //! band-limited; its error is that of the cells ([`DirectionalCells`]) and of the interpolation, together below 5e-3 of
-//! the irradiance's mean at the default resolution.
+//! the irradiance's mean at the default resolution. Of gloss it knows nothing: a lobe cut by a horizon has no table over
+//! normals.
 
 use glam::{Mat3, Vec3};
 use halfshade_scene::{
