@@ -34,8 +34,8 @@ pub(super) fn direction([u, v]: [f32; 2]) -> Vec3 {
 }
 
 /// The four points of a grid around a place, and their weights, of sum 1: across the seam of longitudes as anywhere, and
-/// over a pole to the opposite longitude.
-#[inline]
+/// over a pole to the opposite longitude. The resolution is a power of two: no division, of which shading would do much.
+#[inline(always)]
 pub(super) fn four_nearest(resolution: usize, u: f32, v: f32) -> ([usize; 4], [f32; 4]) {
     let size = resolution as f32;
     let (x, y) = (u * size - 0.5, v * size - 0.5);
@@ -50,7 +50,7 @@ pub(super) fn four_nearest(resolution: usize, u: f32, v: f32) -> ([usize; 4], [f
         } else {
             (column, row)
         };
-        (row * sides + column.rem_euclid(sides)) as usize
+        (row * sides + (column & (sides - 1))) as usize
     };
     (
         [at(column, row), at(column + 1, row), at(column, row + 1), at(column + 1, row + 1)],

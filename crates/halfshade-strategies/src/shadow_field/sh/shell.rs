@@ -80,23 +80,35 @@ impl Shell for ShShell {
             }
     }
 
-    #[inline]
+    #[inline(always)]
     fn add(&self, u: f32, v: f32, share: f32, sum: &mut [f32; MOST]) {
         let (places, weights) = four_nearest(self.resolution, u, v);
+        match &self.values {
+            Values::U8(values) => self.blend(values, |x| f32::from(*x), (places, weights), share, sum),
+            Values::F16(values) => self.blend(values, |x| x.to_f32(), (places, weights), share, sum),
+            Values::F32(values) => self.blend(values, |x| *x, (places, weights), share, sum),
+        }
+    }
+}
+
+impl ShShell {
+    #[inline(always)]
+    fn blend<T>(
+        &self,
+        values: &[T],
+        value: impl Fn(&T) -> f32,
+        (places, weights): ([usize; 4], [f32; 4]),
+        share: f32,
+        sum: &mut [f32; MOST],
+    ) {
+        let weights = weights.map(f32x8::splat);
         for first in (0..self.stride).step_by(8) {
-            let mut mixed = f32x8::ZERO;
-            for (place, weight) in places.into_iter().zip(weights) {
-                let from = place * self.stride + first;
-                let lanes: [f32; 8] = match &self.values {
-                    Values::U8(values) => eight(values, from, |x| f32::from(*x)),
-                    Values::F16(values) => eight(values, from, |x| x.to_f32()),
-                    Values::F32(values) => eight(values, from, |x| *x),
-                };
-                mixed = f32x8::from(lanes).mul_add(f32x8::splat(weight), mixed);
-            }
+            let at = |corner: usize| f32x8::from(eight(values, places[corner] * self.stride + first, &value));
+            let mixed = at(0).mul_add(weights[0], at(1) * weights[1]);
+            let mixed = at(2).mul_add(weights[2], at(3).mul_add(weights[3], mixed));
             let row = |list: &[f32]| f32x8::from(eight(list, first, |x| *x));
-            let value = mixed.mul_add(row(&self.step), row(&self.least));
-            let added = value.mul_add(f32x8::splat(share), row(&sum[..]));
+            let found = mixed.mul_add(row(&self.step), row(&self.least));
+            let added = found.mul_add(f32x8::splat(share), row(&sum[..]));
             sum[first..first + 8].copy_from_slice(added.as_array());
         }
     }
