@@ -16,7 +16,7 @@ use serde::{Serialize, de::DeserializeOwned};
 use std::sync::Arc;
 
 /// Of what is cached: raised whenever it would come out differently.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// What fields of any basis are baked with.
 pub(super) struct Baking<'a> {
@@ -72,7 +72,7 @@ impl Baking<'_> {
         progress: &dyn Progress,
         bake: impl Fn(&Mesh) -> Result<K, StrategyError>,
     ) -> Result<(Vec<Arc<K>>, Arrangement), StrategyError> {
-        progress.start("shadow fields", (scene.objects.len() * self.sampling.count) as u64);
+        progress.start("shadow fields", (scene.objects.len() * self.sampling.len()) as u64);
         let mut meshes: Vec<(Arc<Mesh>, Arc<K>, Arc<Vertices>)> = Vec::new();
         let (mut known, mut bodies) = (Vec::new(), Vec::new());
         for object in &scene.objects {
@@ -80,7 +80,7 @@ impl Baking<'_> {
             let same = meshes.iter().find(|(other, ..)| Arc::ptr_eq(other, mesh));
             let (_, baked, vertices) = match same {
                 Some(same) => {
-                    progress.advance(self.sampling.count as u64);
+                    progress.advance(self.sampling.len() as u64);
                     same
                 }
                 None => {

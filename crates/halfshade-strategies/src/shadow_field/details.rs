@@ -50,10 +50,12 @@ fn interpolation_errors<S: Shell>(
     const POINTS: usize = 64;
     let rays = rays(mesh);
     let ball = Ball { center: field.center, radius: field.radius };
-    (0..field.sampled.count)
+    let radii = field.sampled.radii();
+    (0..radii.len())
         .into_par_iter()
         .map(|shell| {
-            let radius = field.sampled.spacing * (shell as f32 + 0.5);
+            let inward = if shell == 0 { 0.0 } else { radii[shell - 1] };
+            let radius = 0.5 * (inward + radii[shell]);
             let error = |number: usize| {
                 // A spiral of equal areas.
                 let (u, z) = (0.618_034 * number as f32 % 1.0, 1.0 - (2.0 * number as f32 + 1.0) / POINTS as f32);

@@ -29,11 +29,26 @@ pub(super) struct Field<S> {
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub(super) struct Shells {
     pub(super) count: usize,
+    /// Shells within the first, each of half the radius of the next: the paper has none.
+    pub(super) inner: u32,
     /// Sample points along longitude, as along latitude.
     pub(super) resolution: usize,
     /// Distance between shells, and the radius of the first, in radii of the object's bounding sphere: 0.2 in
     /// [Tamura2006, 6].
     pub(super) spacing: f32,
+}
+
+impl Shells {
+    /// From the inside, in radii of the object, without the centre.
+    pub(super) fn radii(&self) -> Vec<f32> {
+        let halved = (1..=self.inner).rev().map(|times| self.spacing * 0.5_f32.powi(times as i32));
+        halved.chain((1..=self.count).map(|number| self.spacing * number as f32)).collect()
+    }
+
+    /// How many there are.
+    pub(super) fn len(&self) -> usize {
+        self.count + self.inner as usize
+    }
 }
 
 /// A field as it is projected: every shell at the full resolution, in full precision.
@@ -81,7 +96,7 @@ impl<V: Clone + Send + Sync> Projected<V> {
             let samples = (0..resolution * resolution).into_par_iter().map(sample).collect();
             Grid { resolution, samples }
         };
-        let radii: Vec<f32> = (0..=sampling.count).map(|number| sampling.spacing * number as f32).collect();
+        let radii: Vec<f32> = std::iter::once(0.0).chain(sampling.radii()).collect();
         let grid = |(number, &radius): (usize, &f32)| {
             let grid = at(radius, if number == 0 { 1 } else { sampling.resolution });
             progress.advance(u64::from(number > 0));
@@ -123,12 +138,11 @@ impl<S: Shell> Field<S> {
 
     /// Of every shell that was sampled, from inside out, the points along longitude that are left; 0: the shell is gone.
     pub(super) fn resolutions(&self) -> Vec<usize> {
-        let mut resolutions = vec![0; self.sampled.count];
-        for (radius, shell) in self.radii.iter().zip(&self.shells).skip(1) {
-            let number = (radius / self.sampled.spacing).round() as usize;
-            resolutions[number - 1] = shell.resolution();
-        }
-        resolutions
+        let resolution = |radius: f32| {
+            let kept = self.radii.iter().position(|kept| *kept == radius);
+            kept.map_or(0, |number| self.shells[number].resolution())
+        };
+        self.sampled.radii().into_iter().map(resolution).collect()
     }
 
     /// Adds what is blocked at a place in shell coordinates: distance from the centre in radii of the object, longitude

@@ -20,7 +20,8 @@
 //! A glossy receiver has a U of its own for each lobe of its BRDF.
 //!
 //! **Limits.** Light and gloss are as sharp as bands or texels. Within the first
-//! shell a receiver lies between that shell and the centre; past the last one, what is blocked shrinks with the solid angle.
+//! shell, where the paper says nothing, three more keep flat objects flat (`inner`), and within those a receiver lies
+//! between shell and centre; past the last one, what is blocked shrinks with the solid angle.
 //! A receiver that is no vertex takes what the nearest vertex of its object hides from itself; with `own=projected`
 //! nothing, because there the normal is in it. Meshes that deform can't be modelled.
 
@@ -70,6 +71,11 @@ impl Strategy for ShadowField {
                 ),
                 parameter("bands", "SH: bands of visibility", ParameterKind::Integer { default: 4, min: 1, max: 8 }),
                 parameter("shells", "concentric shells", ParameterKind::Integer { default: 32, min: 1, max: 128 }),
+                parameter(
+                    "inner",
+                    "shells within the first, each half as large as the next; 0 as published",
+                    ParameterKind::Integer { default: 3, min: 0, max: 8 },
+                ),
                 parameter(
                     "spacing",
                     "distance between shells, in radii of their object",
@@ -141,6 +147,7 @@ impl Strategy for ShadowField {
             cache: &self.cache,
             sampling: Shells {
                 count: params.integer("shells") as usize,
+                inner: params.integer("inner") as u32,
                 resolution: (params.integer("resolution") as usize).next_power_of_two(),
                 spacing: params.float("spacing") as f32,
             },

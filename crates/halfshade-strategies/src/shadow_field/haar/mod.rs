@@ -85,7 +85,7 @@ pub(super) fn bake(
             Some(ball) if traced.is_none() => {
                 // As stored: what is projected would fill disks.
                 let key = key("shadow-field-haar").value(&(sampling, baking.thinning));
-                Some(baking.cached(&key, (sampling.count, progress), || {
+                Some(baking.cached(&key, (sampling.len(), progress), || {
                     let projected = Projected::new(&basis, (&rays(mesh), ball), sampling, progress);
                     Field::new(&basis, &projected, baking.thinning, baking.storage)
                 })?)

@@ -98,7 +98,7 @@ pub(super) fn bake(
             Some(ball) if traced.is_none() => {
                 // As projected, so that another threshold needs no rays.
                 let key = key("shadow-field-sh").value(&sampling);
-                let projected = baking.cached(&key, (sampling.count, progress), || {
+                let projected = baking.cached(&key, (sampling.len(), progress), || {
                     Projected::new(&basis, (&rays(mesh), ball), sampling, progress)
                 })?;
                 Some(Field::new(&basis, &projected, baking.thinning, baking.storage))
