@@ -20,6 +20,7 @@ mod daylight;
 mod ducks;
 mod falling;
 mod figures;
+mod five_blockers;
 mod glossy_sphere;
 mod ground;
 mod gutter;
@@ -56,6 +57,7 @@ pub const SCENES: &[(&str, &str)] = &[
     ("bowling", "a ball rolls into ten pins under two lamps (41k vertices, 71 spheres)"),
     ("falling", "nineteen toys drop onto a heap in daylight (89k vertices, 153 spheres)"),
     ("one-sphere", "a sphere over a plane under constant light: its shadow has a closed form"),
+    ("five-blockers", "five spheres over a plane under one spherical light (17k vertices on the plane, 5 spheres)"),
     ("glossy-sphere", "a sphere whose gloss varies under one spherical light, without blockers (66k vertices)"),
     ("crowd", "64 tumbling blobs over a plane, 256 spheres: many blockers at once"),
 ];
@@ -71,6 +73,7 @@ pub fn scene(name: &str) -> Option<Scene> {
         "bowling" => bowling::scene(),
         "falling" => falling::scene(),
         "one-sphere" => small::one_sphere(),
+        "five-blockers" => five_blockers::scene(),
         "glossy-sphere" => glossy_sphere::scene(),
         "crowd" => small::crowd(),
         _ => return None,

@@ -1,0 +1,200 @@
+//! Direct light of spherical lights by cosine lobes [Meunier2009]: reflectance, light and visibility are sums of lobes
+//! `s max(a·v, 0)^e`, and the integral of a product of lobes is looked up (`halfshade_sh::lobe`).
+//!
+//! ```text
+//! L = Σ_i Σ_j ∫ ρ_i l_j V_j dω        ρ: reflectance (5.1)   l: a light (5.2)   V_j = 1 - Σ_k w_k c_k: what hides it (5.3)
+//! ```
+//!
+//! Per receiver and light, spheres of all objects are projected onto a square around the light, whose quad-tree of shadow is
+//! found (`square.rs`, `mask.rs`); each leaf is a lobe (`lobes.rs`). Memory and time depend on what is in the way only: an
+//! unblocked receiver has no mask, and where one sphere or all together hide the light nothing is multiplied.
+//!
+//! **Two orders.** `order=published` multiplies reflectance and light first, as lobes, and the product with each leaf's lobe,
+//! weighted (`weights.rs`). A light's lobe is wider than the light, though, so that penumbras come out wide whatever the
+//! depth. But a light is 0 or 1 too, as the mask is: their product is just the part of the light that a leaf hides.
+//! `order=light-first`, the default, makes a lobe of that part, with its solid angle and middle:
+//!
+//! ```text
+//! L = Σ_i (∫ ρ_i l_j dω - Σ_k ∫ ρ_i c_k dω)
+//! ```
+//!
+//! with one product less, no weights, and for a diffuse surface nothing but closed forms in the first integral. A glossy
+//! surface sees the unblocked light in parts of half its lobe's width, 8 by 8 at most.
+//!
+//! **Deviations** from the paper. Projection is stereographic instead of onto a plane, where spheres are exactly discs; the
+//! tree is built from its finest cells, so that siblings hidden by several spheres join. `leaves=fraction`, the default, keeps partly covered
+//! cells by the fraction covered; as published: `order=published,leaves=aggressive,product=published`. Spheres that contain a
+//! receiver or cut its tangent plane follow the rules of [Guerrero2007, 4.2], since [Meunier2009] has none.
+//!
+//! **Threshold** [Meunier2009, 4.3]. A group of eight products is left out if none of them can reach `threshold` times the
+//! unblocked radiance; each left out changes radiance by less than that. A diffuse lobe isn't tested in the default order.
+//!
+//! **Limits.** Lights are spheres; environments are not modelled. Spheres behind the light are ignored, and from within a
+//! light nothing is hidden. A Phong lobe without a cosine, which reaches below the horizon, is cut there by the visible
+//! fraction of the light alone.
+
+mod blockers;
+mod lobes;
+mod mask;
+mod parameters;
+mod reflectance;
+mod shade;
+mod square;
+mod weights;
+
+use blockers::{Body, Spheres, bodies};
+use glam::{DVec3, Vec3};
+use halfshade_scene::{EyeLobes, Frame, Progress, RadianceMut, Receivers, Scene, SphereLight};
+use halfshade_sh::lobe::{CapTable, LobeTable, ProductRule};
+use halfshade_strategy::{Baked, Detail, Effect, Effects, Footprint, Info, Params, Strategy, StrategyError};
+use parameters::Settings;
+use shade::Shading;
+use square::Cells;
+use std::sync::{
+    OnceLock,
+    atomic::{AtomicU64, Ordering::Relaxed},
+};
+use weights::WeightTable;
+
+/// The strategy.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct CosineLobe;
+
+impl Strategy for CosineLobe {
+    fn info(&self) -> Info {
+        Info {
+            name: "cosine-lobe",
+            summary: "products of cosine lobes; a quad-tree of shadow before each spherical light",
+            source: "[Meunier2009]",
+            parameters: parameters::all(),
+            effects: Effects::of(&[
+                Effect::LocalLights,
+                Effect::ColouredLight,
+                Effect::GlossyReflectance,
+                Effect::Motion,
+                Effect::Deformation,
+            ]),
+        }
+    }
+
+    fn bake(&self, scene: &Scene, params: &Params, progress: &dyn Progress) -> Result<Box<dyn Baked>, StrategyError> {
+        progress.start("tables of lobes", 1);
+        let settings = Settings::new(params);
+        let products = table_of(settings.product);
+        let caps = CapTable::build(settings.fit);
+        let cells = Cells::new(settings.depth);
+        let weights = WeightTable::new(settings.weights, settings.depth, &cells, &caps, products);
+        progress.advance(1);
+        Ok(Box::new(Prepared {
+            settings,
+            tables: Tables { products, caps, cells, weights },
+            bodies: bodies(scene),
+            moment: None,
+            counters: Counters::default(),
+        }))
+    }
+}
+
+/// The table of a rule, which depends on no scene.
+fn table_of(rule: ProductRule) -> &'static LobeTable {
+    static TABLES: [OnceLock<LobeTable>; ProductRule::ALL.len()] = [const { OnceLock::new() }; ProductRule::ALL.len()];
+    TABLES[rule as usize].get_or_init(|| LobeTable::build(rule))
+}
+
+/// What depends on no frame.
+#[derive(Debug)]
+struct Tables {
+    products: &'static LobeTable,
+    caps: CapTable,
+    cells: Cells,
+    weights: WeightTable,
+}
+
+/// The scene in a frame. Lengths are about the origin of the frame, so that a scene may lie anywhere.
+#[derive(Debug)]
+struct Moment {
+    origin: DVec3,
+    spheres: Spheres,
+    lights: Vec<SphereLight>,
+    eye_lobes: Option<EyeLobes>,
+}
+
+impl Moment {
+    fn local(&self, point: Vec3) -> [f32; 3] {
+        (point.as_dvec3() - self.origin).as_vec3().to_array()
+    }
+}
+
+/// What was done since baking.
+#[derive(Debug, Default)]
+struct Counters {
+    products: AtomicU64,
+    left_out: AtomicU64,
+    masks: AtomicU64,
+    lobes: AtomicU64,
+}
+
+#[derive(Debug)]
+struct Prepared {
+    settings: Settings,
+    tables: Tables,
+    bodies: Vec<Option<Body>>,
+    moment: Option<Moment>,
+    counters: Counters,
+}
+
+impl Baked for Prepared {
+    fn footprint(&self) -> Footprint {
+        let bodies = self.bodies.iter().flatten();
+        Footprint {
+            parts: vec![
+                ("products", self.tables.products.bytes()),
+                ("caps", self.tables.caps.bytes()),
+                ("cells", self.tables.cells.bytes()),
+                ("weights", self.tables.weights.bytes()),
+                ("spheres", self.moment.as_ref().map_or(0, |moment| moment.spheres.bytes())),
+                ("bindings", bodies.map(Body::bytes).sum()),
+            ],
+        }
+    }
+
+    fn details(&self) -> Vec<Detail> {
+        let Counters { products, left_out, masks, lobes } = &self.counters;
+        let detail =
+            |name: &str, count: &AtomicU64| Detail { name: name.into(), values: vec![count.load(Relaxed) as f64] };
+        vec![
+            detail("lobe products since baking", products),
+            detail("lobe products left out since baking", left_out),
+            detail("visibility masks since baking", masks),
+            detail("visibility lobes since baking", lobes),
+        ]
+    }
+
+    fn prepare(&mut self, frame: &Frame<'_>) -> Result<(), StrategyError> {
+        if frame.scene.objects.len() != self.bodies.len() {
+            return Err(StrategyError::Failed("the frame is of another scene than was baked".into()));
+        }
+        let origin = frame.lights.first().map_or(DVec3::ZERO, |light| light.center.as_dvec3());
+        self.moment = Some(Moment {
+            origin,
+            spheres: Spheres::of(frame, &self.bodies, origin),
+            lights: frame.lights.clone(),
+            eye_lobes: EyeLobes::new(frame),
+        });
+        Ok(())
+    }
+
+    fn shade(&self, receivers: Receivers<'_>, mut out: RadianceMut<'_>) {
+        let Some(moment) = &self.moment else {
+            out.channels.iter_mut().for_each(|channel| channel.fill(0.0));
+            return;
+        };
+        let mut shading = Shading::new(&self.settings, &self.tables, moment);
+        shading.run(receivers, out);
+        let counts = shading.counts;
+        self.counters.products.fetch_add(counts.products[0], Relaxed);
+        self.counters.left_out.fetch_add(counts.products[1], Relaxed);
+        self.counters.masks.fetch_add(counts.masks, Relaxed);
+        self.counters.lobes.fetch_add(counts.lobes, Relaxed);
+    }
+}
