@@ -269,13 +269,13 @@ mod tests {
             let finest = mask.covered[depth];
             let unlit = Unlit::new(depth, |cell| cell.level == depth && cell.column + cell.row < 2);
             mask.join(&unlit);
-            let mut rebuilt = [0; MOST_ROWS];
+            let mut rebuilt: Rows = [0; MOST_ROWS];
             mask.each_leaf(&unlit, |cell| {
                 let size = 1 << (depth - cell.level);
-                for row in size * cell.row..size * (cell.row + 1) {
+                for bits in &mut rebuilt[size * cell.row..size * (cell.row + 1)] {
                     for column in size * cell.column..size * (cell.column + 1) {
-                        assert_eq!(rebuilt[row] >> column & 1, 0);
-                        rebuilt[row] |= 1 << column;
+                        assert_eq!(*bits >> column & 1, 0);
+                        *bits |= 1 << column;
                     }
                 }
             });
