@@ -47,7 +47,7 @@ use glam::{DVec3, Vec3};
 use halfshade_scene::{EyeLobes, Frame, Progress, RadianceMut, Receivers, Scene, SphereLight};
 use halfshade_sh::lobe::{CapTable, LobeTable, ProductRule};
 use halfshade_strategy::{Baked, Detail, Effect, Effects, Footprint, Info, Params, Strategy, StrategyError};
-use parameters::Settings;
+use parameters::{Order, Settings};
 use shade::Shading;
 use square::Cells;
 use std::sync::{
@@ -83,7 +83,10 @@ impl Strategy for CosineLobe {
         let products = table_of(settings.product);
         let caps = CapTable::build(settings.fit);
         let cells = Cells::new(settings.depth);
-        let weights = WeightTable::new(settings.weights, settings.depth, &cells, &caps, products);
+        let weights = match settings.order {
+            Order::LightFirst => WeightTable::ones(),
+            Order::Published => WeightTable::new(&settings, &cells, &caps, products),
+        };
         progress.advance(1);
         Ok(Box::new(Prepared {
             settings,

@@ -28,6 +28,8 @@ pub(super) enum Leaves {
 /// How lobes that overlap are weighted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Weights {
+    /// By least squares, so that what one blocker hides of a light is nearest to the truth.
+    Fitted,
     /// So that a level's leaves together hide the whole light.
     Umbra,
     /// Not: lobes have the solid angle of their leaves.
@@ -70,9 +72,9 @@ pub(super) fn all() -> Vec<Parameter> {
         ),
         choice(
             "weights",
-            "for order=published: a level's leaves together hide the whole light; or lobes of the leaves' solid angles",
-            &["umbra", "solid-angle"],
-            "umbra",
+            "for order=published: fitted to the truth; a level's leaves hide the whole light; lobes of the leaves' solid angles",
+            &["fitted", "umbra", "solid-angle"],
+            "fitted",
         ),
         choice(
             "fit",
@@ -110,7 +112,11 @@ impl Settings {
                 "conservative" => Leaves::Conservative,
                 _ => Leaves::Fraction,
             },
-            weights: if params.choice("weights") == "umbra" { Weights::Umbra } else { Weights::SolidAngle },
+            weights: match params.choice("weights") {
+                "umbra" => Weights::Umbra,
+                "solid-angle" => Weights::SolidAngle,
+                _ => Weights::Fitted,
+            },
             fit: match params.choice("fit") {
                 "least-squares-scaled" => CapFit::LeastSquaresScaled,
                 "solid-angle" => CapFit::SolidAngle,

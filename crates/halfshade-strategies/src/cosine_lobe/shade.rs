@@ -210,7 +210,7 @@ impl<'a> Shading<'a> {
         }
         let shape = match (settings.order, settings.weights) {
             (Order::LightFirst, _) => Shape::Part,
-            (Order::Published, Weights::Umbra) => Shape::Bounding(&tables.caps),
+            (Order::Published, Weights::Fitted | Weights::Umbra) => Shape::Bounding(&tables.caps),
             (Order::Published, Weights::SolidAngle) => Shape::SolidAngle(&tables.caps),
         };
         let distance = square.distance();
