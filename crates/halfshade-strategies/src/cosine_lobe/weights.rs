@@ -142,11 +142,11 @@ impl Finding<'_> {
     }
 }
 
-/// Blockers as large as the light and larger, in eight directions from it, their edges all over it.
+/// Blockers as large as the light and larger, in five directions from it, their edges all over it.
 fn discs() -> impl Iterator<Item = Disc> {
-    const EDGES: usize = 24;
-    [0.8, 1.5, 4.0, 50.0].into_iter().flat_map(|radius| {
-        (0..8 * EDGES).map(move |i| {
+    const EDGES: usize = 16;
+    [1.0, 3.0, 50.0].into_iter().flat_map(|radius| {
+        (0..5 * EDGES).map(move |i| {
             // Directions that no symmetry of the square maps onto each other.
             let (sine, cosine) = (0.1 + 0.77 * (i / EDGES) as f32).sin_cos();
             let edge = 1.0 - 2.0 * ((i % EDGES) as f32 + 0.5) / EDGES as f32;
@@ -157,7 +157,7 @@ fn discs() -> impl Iterator<Item = Disc> {
 
 /// The fraction of a light's solid angle that a disc hides, on a fine grid.
 fn exactly_hidden(square: &Square, disc: &Disc) -> f64 {
-    const STEPS: i32 = 64;
+    const STEPS: i32 = 40;
     let (mut whole, mut hidden) = (0.0, 0.0);
     for i in 0..STEPS * STEPS {
         let [x, y] = [i % STEPS, i / STEPS].map(|step| (step as f32 + 0.5) / (STEPS / 2) as f32 - 1.0);
