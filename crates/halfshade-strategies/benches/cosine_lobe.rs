@@ -74,7 +74,12 @@ fn shading(criterion: &mut Criterion) {
         let mut out = RadianceBuffer::zeros(receivers.len());
         let mut group = criterion.benchmark_group(name);
         group.throughput(Throughput::Elements(receivers.len() as u64)).sample_size(10);
-        for settings in ["", "depth=4", "leaves=aggressive", "order=published,leaves=aggressive,product=published"] {
+        for settings in [
+            "",
+            "depth=4",
+            "leaves=aggressive",
+            "order=published,leaves=aggressive,fit=least-squares,product=published",
+        ] {
             let params = Params::parse(&CosineLobe.info().parameters, settings).expect("valid settings");
             let mut baked = CosineLobe.bake(&scene, &params, &Silent).expect("bakes");
             baked.prepare(&scene.frame(0)).expect("prepares");

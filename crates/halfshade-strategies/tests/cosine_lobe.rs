@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 const LIGHT: SphereLight = SphereLight { center: Vec3::new(0.5, 3.0, -0.4), radius: 0.6, radiance: Vec3::splat(10.0) };
 
-const PUBLISHED: &str = "order=published,leaves=aggressive,product=published";
+const PUBLISHED: &str = "order=published,leaves=aggressive,fit=least-squares,product=published";
 
 fn object(material: Material, set: Option<SphereSet>) -> Object {
     Object {

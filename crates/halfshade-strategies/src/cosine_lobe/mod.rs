@@ -10,21 +10,35 @@
 //! unblocked receiver has no mask, and where one sphere or all together hide the light nothing is multiplied.
 //!
 //! **Two orders.** `order=published` multiplies reflectance and light first, as lobes, and the product with each leaf's lobe,
-//! weighted (`weights.rs`). A light's lobe is wider than the light, though, so that penumbras come out wide whatever the
-//! depth. But a light is 0 or 1 too, as the mask is: their product is just the part of the light that a leaf hides.
-//! `order=light-first`, the default, makes a lobe of that part, with its solid angle and middle:
+//! weighted (`weights.rs`). But a light is 0 or 1 too, as the mask is: their product is just the part of the light that a leaf
+//! hides. `order=light-first`, the default, makes a lobe of that part, with its solid angle and middle:
 //!
 //! ```text
 //! L = Σ_i (∫ ρ_i l_j dω - Σ_k ∫ ρ_i c_k dω)
 //! ```
 //!
-//! with one product less, no weights, and for a diffuse surface nothing but closed forms in the first integral. A glossy
-//! surface sees the unblocked light in parts of half its lobe's width, 8 by 8 at most.
+//! with one product less, no weights, and for a diffuse surface a closed form in the first integral. A glossy surface sees the
+//! unblocked light in parts of half its lobe's width, 8 by 8 at most.
 //!
 //! **Deviations** from the paper. Projection is stereographic instead of onto a plane, where spheres are exactly discs; the
-//! tree is built from its finest cells, so that siblings hidden by several spheres join. `leaves=fraction`, the default, keeps partly covered
-//! cells by the fraction covered; as published: `order=published,leaves=aggressive,product=published`. Spheres that contain a
-//! receiver or cut its tangent plane follow the rules of [Guerrero2007, 4.2], since [Meunier2009] has none.
+//! tree is built from its finest cells, so that siblings hidden by several spheres join; where all cells with light are
+//! hidden, radiance is 0. `leaves=fraction`, the default, keeps partly covered cells by the fraction covered. Spheres that
+//! contain a receiver or cut its tangent plane follow the rules of [Guerrero2007, 4.2], since [Meunier2009] has none. As
+//! published: `order=published,leaves=aggressive,fit=least-squares,product=published`.
+//!
+//! **Errors**, relative RMSE on `five-blockers` against its spheres' truth (`experiments/mask-depth.toml`):
+//!
+//! | | depth 2 | 3 | 4 | 5 | 6 |
+//! | --- | --- | --- | --- | --- | --- |
+//! | default, by depth | 0.0049 | 0.0015 | < 0.001 | < 0.001 | < 0.001 |
+//! | `leaves=aggressive` | 0.062 | 0.031 | 0.016 | 0.008 | 0.004 |
+//! | as published | 0.054 | 0.044 | 0.042 | 0.041 | 0.041 |
+//! | as published, `weights=umbra` | 0.080 | 0.055 | 0.046 | 0.043 | 0.042 |
+//! | as published, `fit=scaled-solid-angle` | | 0.015 | | 0.008 | |
+//!
+//! What deeper masks leave of the published error is the light's own lobe, which has 4 % too much solid angle by least
+//! squares. On `glossy-sphere`, whose highlights are as sharp as the light, a single lobe for the light errs by 0.4 to 0.6 of the
+//! mean, its parts by 0.04.
 //!
 //! **Threshold** [Meunier2009, 4.3]. A group of eight products is left out if none of them can reach `threshold` times the
 //! unblocked radiance; each left out changes radiance by less than that. A diffuse lobe isn't tested in the default order.

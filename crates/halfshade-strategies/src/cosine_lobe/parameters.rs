@@ -80,7 +80,7 @@ pub(super) fn all() -> Vec<Parameter> {
             "fit",
             "for order=published: lobes for lights and bounding spheres",
             &["least-squares", "least-squares-scaled", "solid-angle", "scaled-solid-angle"],
-            "least-squares",
+            "scaled-solid-angle",
         ),
         choice(
             "product",
@@ -118,10 +118,10 @@ impl Settings {
                 _ => Weights::Fitted,
             },
             fit: match params.choice("fit") {
+                "least-squares" => CapFit::LeastSquares,
                 "least-squares-scaled" => CapFit::LeastSquaresScaled,
                 "solid-angle" => CapFit::SolidAngle,
-                "scaled-solid-angle" => CapFit::ScaledSolidAngle,
-                _ => CapFit::LeastSquares,
+                _ => CapFit::ScaledSolidAngle,
             },
             product: match params.choice("product") {
                 "published" => ProductRule::Published,
