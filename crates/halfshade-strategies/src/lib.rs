@@ -1,6 +1,7 @@
 //! The methods under comparison, one folder each. They never import each other: what two need lives in `halfshade-scene`
 //! or `halfshade-sh`; what needs a crate that neither has, beside them here.
 
+pub mod cosine_lobe;
 pub mod ray_traced;
 pub mod sh_exp;
 pub mod shadow_field;
@@ -9,6 +10,7 @@ mod test_scenes;
 mod triangle_rays;
 pub mod unshadowed;
 
+pub use cosine_lobe::CosineLobe;
 pub use ray_traced::RayTraced;
 pub use sh_exp::ShExp;
 pub use shadow_field::ShadowField;

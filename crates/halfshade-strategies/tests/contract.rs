@@ -1,6 +1,6 @@
 //! Every strategy, and every exponential variant, against the contract.
 
-use halfshade_strategies::{RayTraced, ShExp, ShadowField, Unshadowed};
+use halfshade_strategies::{CosineLobe, RayTraced, ShExp, ShadowField, Unshadowed};
 use halfshade_strategy::{contract::Bounds, contract_tests};
 
 /// No visibility, no noise: what is left is the table over normals.
@@ -73,4 +73,32 @@ contract_tests!(
     "basis=haar,face=8,shells=8,resolution=8,kept=0.1,product=wavelets,sampling=adaptive-shells",
     // Nothing holds what is hidden within [0, 1].
     Bounds { brightening: 0.02, ..TEXELS }
+);
+
+/// Turned with the scene, a light's square lies otherwise: other cells are partly covered.
+const LOBES: Bounds = Bounds { constant: 1e-5, quadrature: 0.05, rotation: 0.02, brightening: 0.01 };
+
+contract_tests!(cosine_lobe, CosineLobe, "", LOBES);
+contract_tests!(cosine_lobe_shallow, CosineLobe, "depth=3,threshold=0", Bounds { rotation: 0.1, ..LOBES });
+contract_tests!(
+    cosine_lobe_covering,
+    CosineLobe,
+    "rule=covering,leaves=conservative",
+    Bounds { rotation: 0.1, ..LOBES }
+);
+
+/// A light's lobe is wider than the light, and a lobe for each leaf is wider than the leaf.
+const WIDE_LOBES: Bounds = Bounds { constant: 1e-5, quadrature: 0.3, rotation: 0.2, brightening: 0.2 };
+
+contract_tests!(
+    cosine_lobe_as_published,
+    CosineLobe,
+    "order=published,leaves=aggressive,fit=least-squares,product=published",
+    WIDE_LOBES
+);
+contract_tests!(
+    cosine_lobe_by_solid_angles,
+    CosineLobe,
+    "order=published,leaves=conservative,weights=solid-angle,fit=scaled-solid-angle",
+    WIDE_LOBES
 );

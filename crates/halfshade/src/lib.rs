@@ -10,13 +10,19 @@ pub use cli::Cli;
 
 use clap::Parser;
 use halfshade_scene::Cache;
-use halfshade_strategies::{RayTraced, ShExp, ShadowField, Unshadowed};
+use halfshade_strategies::{CosineLobe, RayTraced, ShExp, ShadowField, Unshadowed};
 use halfshade_strategy::Strategy;
 use std::{ffi::OsString, process::ExitCode};
 
 /// Every strategy there is; the only list. `cache` is for what they bake.
 pub fn strategies(cache: &Cache) -> Vec<Box<dyn Strategy>> {
-    vec![Box::new(Unshadowed), Box::new(RayTraced), Box::new(ShExp), Box::new(ShadowField::new(cache.clone()))]
+    vec![
+        Box::new(Unshadowed),
+        Box::new(RayTraced),
+        Box::new(ShExp),
+        Box::new(ShadowField::new(cache.clone())),
+        Box::new(CosineLobe),
+    ]
 }
 
 /// Version and, where it is known, the commit.

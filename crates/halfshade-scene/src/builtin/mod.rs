@@ -20,6 +20,7 @@ mod daylight;
 mod ducks;
 mod falling;
 mod figures;
+mod five_blockers;
 mod glossy_sphere;
 mod ground;
 mod gutter;
@@ -59,6 +60,7 @@ pub const SCENES: &[(&str, &str)] = &[
     ("falling", "nineteen toys drop onto a heap in daylight (89k vertices, 153 spheres)"),
     ("teapot-and-statue", "a teapot and a statue on a slab in a studio's soft light: round, long and flat"),
     ("one-sphere", "a sphere over a plane under constant light: its shadow has a closed form"),
+    ("five-blockers", "five spheres over a plane under one spherical light (17k vertices on the plane, 5 spheres)"),
     ("glossy-sphere", "a sphere whose gloss varies under one spherical light, without blockers (66k vertices)"),
     ("crowd", "64 tumbling blobs over a plane, 256 spheres: many blockers at once"),
 ];
@@ -75,6 +77,7 @@ pub fn scene(name: &str) -> Option<Scene> {
         "falling" => falling::scene(),
         "teapot-and-statue" => teapot_and_statue::scene(),
         "one-sphere" => small::one_sphere(),
+        "five-blockers" => five_blockers::scene(),
         "glossy-sphere" => glossy_sphere::scene(),
         "crowd" => small::crowd(),
         _ => return None,

@@ -48,6 +48,12 @@ fn bounced(strategy: &dyn Strategy, scene: Scene) -> Scene {
     Scene { bounces, ..scene }
 }
 
+/// The scene; for a strategy without light from infinitely far, lamps take that light's place, as strong as the first one's
+/// constant part is.
+fn lit(strategy: &dyn Strategy, scene: Scene) -> Scene {
+    if strategy.info().effects.contains(Effect::EnvironmentLight) { scene } else { scenes::by_lamps(scene) }
+}
+
 fn prepare(baked: &mut dyn Baked, frame: &Frame<'_>) -> Checked {
     baked.prepare(frame).map_err(|error| Violation(format!("prepare: {error}")))
 }
@@ -170,7 +176,7 @@ pub fn rotating_everything_changes_nothing(strategy: &dyn Strategy, params: &Par
     let spheres = scenes::crowd(6);
     let receivers = scenes::receivers(61);
     for environment in [scenes::map(), scenes::sun()] {
-        let scene = bounced(strategy, scenes::spheres(environment, &spheres));
+        let scene = lit(strategy, bounced(strategy, scenes::spheres(environment, &spheres)));
         let frame = scene.frame(0);
         let mut baked = baked(strategy, params, &scene)?;
         prepare(baked.as_mut(), &frame)?;
@@ -199,7 +205,7 @@ pub fn adding_a_blocker_never_brightens(strategy: &dyn Strategy, params: &Params
         let mut before: Option<RadianceBuffer> = None;
         let mut allowed = 0.0;
         for count in 0..=spheres.len() {
-            let scene = scenes::spheres(environment.clone(), &spheres[..count]);
+            let scene = lit(strategy, scenes::spheres(environment.clone(), &spheres[..count]));
             if count == 0 {
                 allowed = bounds.brightening * mean_unshadowed(&scene.frame(0), &receivers);
             }
@@ -218,7 +224,7 @@ pub fn adding_a_blocker_never_brightens(strategy: &dyn Strategy, params: &Params
 
 /// However the receivers are split, the bits are the same.
 pub fn splitting_a_batch_changes_no_bit(strategy: &dyn Strategy, params: &Params) -> Checked {
-    let scene = bounced(strategy, scenes::spheres(scenes::sun(), &scenes::crowd(12)));
+    let scene = lit(strategy, bounced(strategy, scenes::spheres(scenes::sun(), &scenes::crowd(12))));
     let receivers = scenes::receivers(101);
     let mut baked = baked(strategy, params, &scene)?;
     prepare(baked.as_mut(), &scene.frame(0))?;
@@ -244,8 +250,8 @@ pub fn splitting_a_batch_changes_no_bit(strategy: &dyn Strategy, params: &Params
 
 /// Preparing a frame twice, or another one in between, leaves no trace.
 pub fn preparing_twice_equals_once(strategy: &dyn Strategy, params: &Params) -> Checked {
-    let scene = bounced(strategy, scenes::spheres(scenes::map(), &scenes::crowd(5)));
-    let other_scene = scenes::spheres(scenes::sun(), &scenes::crowd(5));
+    let scene = lit(strategy, bounced(strategy, scenes::spheres(scenes::map(), &scenes::crowd(5))));
+    let other_scene = lit(strategy, scenes::spheres(scenes::sun(), &scenes::crowd(5)));
     let receivers = scenes::receivers(33);
     let frame = scene.frame(0);
     let mut other = other_scene.frame(0);
@@ -297,7 +303,7 @@ pub fn every_output_is_finite(strategy: &dyn Strategy, params: &Params) -> Check
             if let Some(sun) = &mut environment.sun {
                 sun.radiance *= strength;
             }
-            let scene = bounced(strategy, scenes::spheres(environment, spheres));
+            let scene = lit(strategy, bounced(strategy, scenes::spheres(environment, spheres)));
             let out = rendered(strategy, params, &scene, &receivers)?;
             if let Some(i) = (0..receivers.len()).find(|&i| !out.at(i).is_finite()) {
                 return violation(format!("{} under {strength}, {} spheres, receiver {i}", out.at(i), spheres.len()));

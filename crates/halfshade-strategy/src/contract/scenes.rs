@@ -4,7 +4,7 @@ use glam::{Quat, Vec3};
 use halfshade_scene::{
     Environment, Frame, Material, Motion, Object, Pose, ReceiverBuffer, Scene, Sphere, SphereLight, SphereSet,
     builtin::shapes,
-    light::{EnvironmentMap, Sun},
+    light::{DistantLight, EnvironmentMap, Sun},
 };
 use std::sync::Arc;
 
@@ -64,6 +64,21 @@ pub(super) fn sun() -> Environment {
 /// A lamp to one side.
 pub(super) fn lamp() -> SphereLight {
     SphereLight { center: Vec3::new(2.0, 3.0, 1.0), radius: 0.7, radiance: Vec3::splat(8.0) }
+}
+
+/// The scene with three lamps around in the place of light from infinitely far; for an environment of constant radiance
+/// x, lamps x times as bright.
+pub(super) fn by_lamps(mut scene: Scene) -> Scene {
+    let strength = match &scene.environment.base {
+        DistantLight::Constant(radiance) => *radiance,
+        DistantLight::Map(_) => Vec3::ONE,
+    };
+    scene.environment = Environment::constant(Vec3::ZERO);
+    let large = SphereLight { center: Vec3::new(-3.0, 2.0, -2.0), radius: 1.8, radiance: Vec3::splat(2.0) };
+    let small = SphereLight { center: Vec3::new(0.5, -4.0, 3.0), radius: 0.1, radiance: Vec3::splat(90.0) };
+    let lamps = [lamp(), large, small].map(|lamp| SphereLight { radiance: lamp.radiance * strength, ..lamp });
+    scene.lights.extend(lamps.map(|lamp| (lamp, Motion::Still(Pose::IDENTITY))));
+    scene
 }
 
 /// Small numbers in [0, 1), evenly spread: multiples of an irrational number.

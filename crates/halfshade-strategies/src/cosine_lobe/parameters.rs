@@ -1,0 +1,139 @@
+//! What can be set.
+
+use super::mask::MAX_DEPTH;
+use halfshade_scene::spheres::AdjustRule;
+use halfshade_sh::lobe::{CapFit, ProductRule};
+use halfshade_strategy::{Parameter, ParameterKind, Params};
+
+/// Which two of reflectance, light and visibility are multiplied first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Order {
+    /// Light and visibility, exactly: the leaves are parts of the light.
+    LightFirst,
+    /// Reflectance and light, as lobes [Meunier2009, 5.4].
+    Published,
+}
+
+/// What becomes of cells that no sphere covers wholly.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Leaves {
+    /// Ignored.
+    Aggressive,
+    /// Kept as if they were covered.
+    Conservative,
+    /// Kept by the fraction that is covered.
+    Fraction,
+}
+
+/// How lobes that overlap are weighted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Weights {
+    /// By least squares, so that what one blocker hides of a light is nearest to the truth.
+    Fitted,
+    /// So that a level's leaves together hide the whole light.
+    Umbra,
+    /// Not: lobes have the solid angle of their leaves.
+    SolidAngle,
+}
+
+/// All parameters, read.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Settings {
+    pub(super) order: Order,
+    pub(super) depth: usize,
+    pub(super) leaves: Leaves,
+    pub(super) weights: Weights,
+    pub(super) fit: CapFit,
+    pub(super) product: ProductRule,
+    pub(super) rule: AdjustRule,
+    pub(super) threshold: f32,
+}
+
+pub(super) fn all() -> Vec<Parameter> {
+    let choice =
+        |name, summary, values, default| Parameter { name, summary, kind: ParameterKind::Choice { values, default } };
+    vec![
+        choice(
+            "order",
+            "what is multiplied first: light and mask, exactly; or, published, reflectance and light as lobes",
+            &["light-first", "published"],
+            "light-first",
+        ),
+        Parameter {
+            name: "depth",
+            summary: "levels of the mask's quad-tree below its root",
+            kind: ParameterKind::Integer { default: 5, min: 1, max: MAX_DEPTH as i64 },
+        },
+        choice(
+            "leaves",
+            "partly covered cells of the last level: ignored, kept, or kept by the fraction covered (not published)",
+            &["aggressive", "conservative", "fraction"],
+            "fraction",
+        ),
+        choice(
+            "weights",
+            "for order=published: fitted to the truth; a level's leaves hide the whole light; lobes of the leaves' solid angles",
+            &["fitted", "umbra", "solid-angle"],
+            "fitted",
+        ),
+        choice(
+            "fit",
+            "for order=published: lobes for lights and bounding spheres",
+            &["least-squares", "least-squares-scaled", "solid-angle", "scaled-solid-angle"],
+            "scaled-solid-angle",
+        ),
+        choice(
+            "product",
+            "how a product of two lobes becomes a lobe",
+            &["published", "integral-preserving", "moments"],
+            "moments",
+        ),
+        choice(
+            "rule",
+            "spheres that cut the tangent plane: see sh-exp",
+            &["continuous", "covering", "published"],
+            "continuous",
+        ),
+        Parameter {
+            name: "threshold",
+            summary: "products below this fraction of the unblocked light's are left out; 0 leaves out none",
+            kind: ParameterKind::Float { default: 1e-4, min: 0.0, max: 1.0 },
+        },
+    ]
+}
+
+impl Settings {
+    pub(super) fn new(params: &Params) -> Self {
+        Self {
+            order: if params.choice("order") == "published" { Order::Published } else { Order::LightFirst },
+            depth: params.integer("depth") as usize,
+            leaves: match params.choice("leaves") {
+                "aggressive" => Leaves::Aggressive,
+                "conservative" => Leaves::Conservative,
+                _ => Leaves::Fraction,
+            },
+            weights: match params.choice("weights") {
+                "umbra" => Weights::Umbra,
+                "solid-angle" => Weights::SolidAngle,
+                _ => Weights::Fitted,
+            },
+            fit: match params.choice("fit") {
+                "least-squares" => CapFit::LeastSquares,
+                "least-squares-scaled" => CapFit::LeastSquaresScaled,
+                "solid-angle" => CapFit::SolidAngle,
+                _ => CapFit::ScaledSolidAngle,
+            },
+            product: match params.choice("product") {
+                "published" => ProductRule::Published,
+                "integral-preserving" => ProductRule::IntegralPreserving,
+                _ => ProductRule::Moments,
+            },
+            rule: match params.choice("rule") {
+                "covering" => AdjustRule::Covering,
+                "published" => AdjustRule::Published,
+                _ => AdjustRule::Continuous,
+            },
+            threshold: params.float("threshold") as f32,
+        }
+    }
+}

@@ -1,0 +1,248 @@
+//! The sum over lights of what a receiver reflects of each [Meunier2009, 4.3 and 5.4].
+
+use super::{
+    Moment, Tables,
+    blockers::{Ball, Receiver, Spheres},
+    lobes::{CellLobes, Shape},
+    mask::{Disc, Mask, covered_fraction},
+    parameters::{Leaves, Order, Settings, Weights},
+    reflectance::{Horizon, MOST_TERMS, Term, Terms},
+    square::{Square, disc},
+    weights::light_lobe,
+};
+use glam::Vec3;
+use halfshade_scene::{RadianceMut, Receivers, SphereLight, light::cap_irradiance};
+use halfshade_sh::lobe::Lobe8;
+use std::f32::consts::{FRAC_1_PI, FRAC_PI_2};
+use wide::f32x8;
+
+/// Receivers for which the spheres in the way of a light are looked up together.
+const GROUP: usize = 64;
+
+/// Finest level at which a glossy receiver sees an unblocked light.
+const FINEST_HIGHLIGHT: usize = 3;
+
+/// What was done for how many.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Counts {
+    /// Products found and left out.
+    pub(super) products: [u64; 2],
+    /// Pairs of receiver and light whose mask was built, and lobes of those masks.
+    pub(super) masks: u64,
+    pub(super) lobes: u64,
+}
+
+/// Working memory of one call.
+pub(super) struct Shading<'a> {
+    settings: &'a Settings,
+    tables: &'a Tables,
+    moment: &'a Moment,
+    between: Vec<Spheres>,
+    discs: Vec<Disc>,
+    mask: Mask,
+    lobes: CellLobes,
+    highlight: CellLobes,
+    pub(super) counts: Counts,
+}
+
+impl<'a> Shading<'a> {
+    pub(super) fn new(settings: &'a Settings, tables: &'a Tables, moment: &'a Moment) -> Self {
+        Self {
+            settings,
+            tables,
+            moment,
+            between: vec![Spheres::default(); moment.lights.len()],
+            discs: Vec::new(),
+            mask: Mask::new(settings.depth),
+            lobes: CellLobes::default(),
+            highlight: CellLobes::default(),
+            counts: Counts::default(),
+        }
+    }
+
+    pub(super) fn run(&mut self, receivers: Receivers<'_>, mut out: RadianceMut<'_>) {
+        let moment = self.moment;
+        let mut positions = [[0.0; 3]; GROUP];
+        for start in (0..receivers.len()).step_by(GROUP) {
+            let count = (receivers.len() - start).min(GROUP);
+            for (i, position) in positions[..count].iter_mut().enumerate() {
+                *position = moment.local(receivers.position_at(start + i));
+            }
+            let ball = Ball::around(&positions[..count]);
+            for (light, between) in moment.lights.iter().zip(&mut self.between) {
+                moment.spheres.keep_between(&ball, &Ball::of(light, moment.origin), between);
+            }
+            for (i, &position) in positions[..count].iter().enumerate() {
+                let receiver = Receiver { position, normal: receivers.normal_at(start + i).to_array() };
+                let terms = Terms::of(&receivers, start + i, moment.eye_lobes.as_ref(), self.tables.products);
+                let radiance = (0..moment.lights.len()).map(|light| self.reflected(&receiver, &terms, light)).sum();
+                out.set(start + i, radiance);
+            }
+        }
+    }
+
+    /// What a receiver reflects of one light.
+    fn reflected(&mut self, receiver: &Receiver, terms: &Terms, number: usize) -> Vec3 {
+        let light: &SphereLight = &self.moment.lights[number];
+        let center = self.moment.local(light.center);
+        let offset = std::array::from_fn(|axis| center[axis] - receiver.position[axis]);
+        let Some(square) = Square::new(offset, light.radius) else {
+            // From within a light everything is light, and nothing is between.
+            let inside = light.radius > 0.0;
+            let all = terms.iter().map(|term| term.lobe.integral().to_array()[0] * term.color).sum::<Vec3>();
+            return if inside { light.radiance * all } else { Vec3::ZERO };
+        };
+        let above = Vec3::from(square.axis()).dot(Vec3::from(receiver.normal));
+        if above <= -square.sine {
+            return Vec3::ZERO;
+        }
+        let mut factors = [(Lobe8::splat(&NOTHING), 0.0); MOST_TERMS];
+        for (term, factor) in terms.iter().zip(&mut factors) {
+            *factor = self.unblocked(term, &square, above);
+        }
+        let sum = |hidden: &dyn Fn(usize) -> f32| {
+            let visible = |(i, term): (usize, &Term)| (factors[i].1 - hidden(i)).max(0.0) * term.color;
+            light.radiance * terms.iter().enumerate().map(visible).sum::<Vec3>()
+        };
+        let all = sum(&|_| 0.0);
+        if all == Vec3::ZERO || !self.find_discs(receiver, &square, number) {
+            return Vec3::ZERO;
+        }
+        if self.discs.is_empty() {
+            return all;
+        }
+        if !self.find_lobes(&square) {
+            return Vec3::ZERO;
+        }
+        self.counts.masks += 1;
+        // Of the brightest channel.
+        let strength = |color: Vec3| color.max_element();
+        let total: f32 = terms.iter().zip(&factors).map(|(term, factor)| strength(term.color) * factor.1).sum();
+        let mut hidden = [0.0; MOST_TERMS];
+        for (i, term) in terms.iter().enumerate() {
+            // A leaf's share of a diffuse surface's light is its solid angle: nothing is small beside the others.
+            let tests = self.settings.threshold > 0.0
+                && (term.horizon != Horizon::Diffuse || self.settings.order == Order::Published);
+            let limit = tests.then(|| self.settings.threshold * total / strength(term.color));
+            let products = &mut self.counts.products;
+            hidden[i] = self.lobes.integral(&factors[i].0, self.tables.products, limit, products);
+        }
+        sum(&|i| hidden[i])
+    }
+
+    /// The lobe that is multiplied with the mask's, and what the term reflects of the unblocked light, per its colour and
+    /// the light's radiance.
+    fn unblocked(&mut self, term: &Term, square: &Square, above: f32) -> (Lobe8, f32) {
+        let end = match term.horizon {
+            Horizon::None => fraction_above(above / square.sine),
+            Horizon::Diffuse | Horizon::Cosine => 1.0,
+        };
+        let end_lobe = |lobe: Lobe8| Lobe8 { scale: lobe.scale * f32x8::splat(end), ..lobe };
+        match self.settings.order {
+            Order::Published => {
+                let product = self.tables.products.product8(&term.lobe, &light_lobe(square, &self.tables.caps));
+                let product = end_lobe(product);
+                (product, product.integral().to_array()[0])
+            }
+            Order::LightFirst if term.horizon == Horizon::Diffuse => {
+                // A closed form.
+                let irradiance = if above >= square.sine {
+                    std::f32::consts::PI * square.sine * square.sine * above
+                } else {
+                    cap_irradiance(above.into(), square.sine.into()) as f32
+                };
+                (term.lobe, irradiance)
+            }
+            Order::LightFirst => {
+                let lobe = end_lobe(term.lobe);
+                (lobe, self.highlight(&lobe, square))
+            }
+        }
+    }
+
+    /// `∫ c` over the light for a lobe c, the light in parts of half the lobe's width or less.
+    fn highlight(&mut self, lobe: &Lobe8, square: &Square) -> f32 {
+        let exponent = lobe.exponent.to_array()[0];
+        let width = 2.0 * square.sine * exponent.sqrt();
+        let level = (1..FINEST_HIGHLIGHT).find(|&level| width <= (1 << level) as f32).unwrap_or(FINEST_HIGHLIGHT);
+        let level = level.min(self.settings.depth);
+        self.highlight.clear();
+        let cells = &self.tables.cells;
+        cells.level(level).for_each(|&cell| self.highlight.push(cell, level, 1.0, square, Shape::Part));
+        self.highlight.flush(square, Shape::Part);
+        self.highlight.integral(lobe, self.tables.products, None, &mut self.counts.products)
+    }
+
+    /// The spheres in the way. `false` if one of them hides the light.
+    fn find_discs(&mut self, receiver: &Receiver, square: &Square, light: usize) -> bool {
+        self.discs.clear();
+        for (center, radius) in self.between[light].groups() {
+            let (offset, radius) = receiver.adjusted(&center, radius, self.settings.rule);
+            let (found, meets) = square.splat(&offset, radius);
+            let mut bits = meets.to_bitmask();
+            if bits == 0 {
+                continue;
+            }
+            let [x, y, r] = found.map(f32x8::to_array);
+            while bits != 0 {
+                let lane = bits.trailing_zeros() as usize;
+                let (disc, hides) = disc(x[lane], y[lane], r[lane]);
+                if hides {
+                    return false;
+                }
+                self.discs.push(disc);
+                bits &= bits - 1;
+            }
+        }
+        true
+    }
+
+    /// Mask and lobes of the discs. `false` if together they hide the light.
+    fn find_lobes(&mut self, square: &Square) -> bool {
+        let (settings, tables) = (self.settings, self.tables);
+        self.mask.clear();
+        self.discs.iter().for_each(|disc| self.mask.splat(disc));
+        if settings.leaves == Leaves::Conservative {
+            self.mask.cover_touched();
+        }
+        if self.mask.join(&tables.cells.unlit) {
+            return false;
+        }
+        let shape = match (settings.order, settings.weights) {
+            (Order::LightFirst, _) => Shape::Part,
+            (Order::Published, Weights::Fitted | Weights::Umbra) => Shape::Bounding(&tables.caps),
+            (Order::Published, Weights::SolidAngle) => Shape::SolidAngle(&tables.caps),
+        };
+        let distance = square.distance();
+        let weight = |level: usize| match settings.order {
+            Order::LightFirst => 1.0,
+            Order::Published => tables.weights.at(level, distance),
+        };
+        self.lobes.clear();
+        let (lobes, counts) = (&mut self.lobes, &mut self.counts);
+        self.mask.each_leaf(&tables.cells.unlit, |cell| {
+            lobes.push(tables.cells.at(cell), cell.level, weight(cell.level), square, shape);
+            counts.lobes += 1;
+        });
+        if settings.leaves == Leaves::Fraction {
+            let of_level = weight(settings.depth);
+            self.mask.each_partial(|cell| {
+                let fraction = covered_fraction(cell, &self.discs);
+                if fraction > 0.0 {
+                    lobes.push(tables.cells.at(cell), cell.level, of_level * fraction, square, shape);
+                    counts.lobes += 1;
+                }
+            });
+        }
+        lobes.flush(square, shape);
+        true
+    }
+}
+
+const NOTHING: halfshade_sh::lobe::Lobe = halfshade_sh::lobe::Lobe { axis: [0.0, 1.0, 0.0], exponent: 0.0, scale: 0.0 };
+
+/// The fraction of a disc above a line at `height` radii below its centre: [0, 1].
+fn fraction_above(height: f32) -> f32 {
+    let x = height.clamp(-1.0, 1.0);
+    FRAC_1_PI * (x * (1.0 - x * x).sqrt() + x.asin() + FRAC_PI_2)
+}

@@ -1,0 +1,329 @@
+//! The square before a light, and the cells it is divided into [Meunier2009, 5.3, figure 8].
+//!
+//! The paper puts a unit square before the cone of the light, at a distance where the cone just fits, and projects blockers
+//! onto its plane. Seen from the receiver a sphere is a cap of directions; on a plane that is an ellipse, on the sphere's
+//! stereographic projection from the direction opposite to the light's it is exactly a disc. For the cap of axis s and angular
+//! radius β about a light of direction a, with `A = s·a + cos β`,
+//!
+//! ```text
+//! centre = (s·t, s·b)/A        radius = sin β/A        the light itself: 0 and tan(σ/2)
+//! ```
+//!
+//! Both projections agree for small lights, and this one has no end at a right angle. Lengths are in radii of the light's
+//! disc.
+
+use super::mask::{Cell, Disc, Unlit};
+use std::f32::consts::PI;
+use wide::f32x8;
+
+/// Discs grow no larger than this, in units of the projection: their edge is as good as straight.
+const STRAIGHT: f32 = 1e3;
+
+/// Where one receiver sees one light.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Square {
+    /// Tangent, bitangent, and the direction of the light.
+    frame: [[f32; 3]; 3],
+    /// tan(σ/2).
+    extent: f32,
+    /// Sine of the light's angular radius σ.
+    pub(super) sine: f32,
+    /// Distance of the circle in which the light is seen.
+    reach: f32,
+}
+
+impl Square {
+    /// Of a light with its centre at `offset` from the receiver; `None` from within it, or if it has no size.
+    pub(super) fn new(offset: [f32; 3], radius: f32) -> Option<Self> {
+        let squared = dot(offset, offset);
+        let reach_squared = squared - radius * radius;
+        if !(reach_squared > 0.0 && radius > 0.0 && squared.is_finite()) {
+            return None;
+        }
+        let inverse = squared.sqrt().recip();
+        let axis = offset.map(|x| x * inverse);
+        let sine = (radius * inverse).min(1.0);
+        let cosine = reach_squared.sqrt() * inverse;
+        let extent = (sine / (1.0 + cosine)).max(1e-6);
+        Some(Self { frame: frame_about(axis), extent, sine, reach: reach_squared.sqrt() })
+    }
+
+    /// Direction of the light's centre.
+    pub(super) fn axis(&self) -> [f32; 3] {
+        self.frame[2]
+    }
+
+    /// `dist` of [Meunier2009, 5.3] for a square of side 1, `1/(2 tan σ)`.
+    pub(super) fn distance(&self) -> f32 {
+        0.5 * (1.0 - self.sine * self.sine).sqrt() / self.sine.max(1e-6)
+    }
+
+    /// `1 - cos σ`.
+    pub(super) fn versine(&self) -> f32 {
+        self.sine * self.sine / (1.0 + (1.0 - self.sine * self.sine).sqrt())
+    }
+
+    /// Eight spheres on the square: centres and radii of discs, and which of them are in the way of the light.
+    ///
+    /// A sphere behind the light is not. One that begins before the circle in which the light is seen and whose own
+    /// silhouette lies beyond it shrinks on the way, so that nothing jumps.
+    #[inline(always)]
+    pub(super) fn splat(&self, offset: &[f32x8; 3], radius: f32x8) -> ([f32x8; 3], f32x8) {
+        let along = |direction: [f32; 3]| {
+            let [x, y, z] = direction.map(f32x8::splat);
+            x.mul_add(offset[0], y.mul_add(offset[1], z * offset[2]))
+        };
+        let [t, b, a] = self.frame.map(along);
+        let squared = t.mul_add(t, b.mul_add(b, a * a)).fast_max(f32x8::splat(1e-30));
+        let distance = squared.sqrt();
+        let rim = (squared - radius * radius).fast_max(f32x8::ZERO).sqrt();
+        let near = distance - radius;
+        let begun = (f32x8::splat(self.reach) - near) / (rim - near).fast_max(distance * f32x8::splat(1e-6));
+        let radius = radius * begun.fast_max(f32x8::ZERO).fast_min(f32x8::ONE);
+        let inverse = f32x8::ONE / distance;
+        let (t, b, a) = (t * inverse, b * inverse, a * inverse);
+        let sine = (radius * inverse).fast_min(f32x8::ONE);
+        let cosine = (f32x8::ONE - sine * sine).sqrt();
+        let denominator = a + cosine;
+        let scale = f32x8::splat(self.extent.recip());
+        let per_denominator = scale / denominator.fast_max(f32x8::splat(1e-3));
+        let mut disc = [t * per_denominator, b * per_denominator, sine * per_denominator];
+        let wide = denominator.simd_lt(f32x8::splat(1e-3));
+        if wide.any() {
+            // The cap reaches the opposite direction: what is near the light has an edge as good as straight, at
+            // tan((γ-β)/2).
+            let across = t.mul_add(t, b * b).sqrt();
+            let edge = across.mul_sub(cosine, a * sine)
+                / (f32x8::ONE + a.mul_add(cosine, across * sine)).fast_max(f32x8::splat(1e-6));
+            // Straight behind, any side will do: the edge is far away.
+            let behind = across.simd_lt(f32x8::splat(1e-6));
+            let inverse = f32x8::ONE / across.fast_max(f32x8::splat(1e-6));
+            let center = (edge + f32x8::splat(STRAIGHT)) * scale;
+            let [t, b] = [behind.select(f32x8::ONE, t * inverse), behind.select(f32x8::ZERO, b * inverse)];
+            let straight = [t * center, b * center, f32x8::splat(STRAIGHT) * scale];
+            disc = std::array::from_fn(|i| wide.select(straight[i], disc[i]));
+        }
+        let [x, y, r] = disc;
+        let reach = r + f32x8::ONE;
+        let meets = x.mul_add(x, y * y).simd_lt(reach * reach) & sine.simd_gt(f32x8::ZERO);
+        (disc, meets)
+    }
+
+    /// Eight points of the square as unit directions.
+    #[inline(always)]
+    pub(super) fn directions(&self, x: f32x8, y: f32x8) -> [f32x8; 3] {
+        let (x, y) = (x * f32x8::splat(self.extent), y * f32x8::splat(self.extent));
+        let squared = x.mul_add(x, y * y);
+        let inverse = f32x8::ONE / (f32x8::ONE + squared);
+        let (t, b, a) =
+            (x * inverse * f32x8::splat(2.0), y * inverse * f32x8::splat(2.0), (f32x8::ONE - squared) * inverse);
+        std::array::from_fn(|i| {
+            let [ti, bi, ai] = [self.frame[0][i], self.frame[1][i], self.frame[2][i]].map(f32x8::splat);
+            ti.mul_add(t, bi.mul_add(b, ai * a))
+        })
+    }
+
+    /// Length in directions per length on the square, `2 tan(σ/2)/(1 + |x|²)`, at eight points.
+    #[inline(always)]
+    pub(super) fn stretch(&self, x: f32x8, y: f32x8) -> f32x8 {
+        let extent = f32x8::splat(self.extent);
+        let squared = x.mul_add(x, y * y) * extent * extent;
+        (extent + extent) / (f32x8::ONE + squared)
+    }
+}
+
+fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
+}
+
+/// A frame about a unit axis that turns with it smoothly except straight down, where lights seldom are: a square that
+/// turns at once would show.
+fn frame_about(axis: [f32; 3]) -> [[f32; 3]; 3] {
+    let [x, y, z] = axis;
+    // 1 + y without the digits that it would lose near -1.
+    let down = if y < 0.0 { x.mul_add(x, z * z) / (1.0 - y) } else { 1.0 + y };
+    if down < 1e-5 {
+        return [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], axis];
+    }
+    let inverse = down.recip();
+    let mixed = -x * z * inverse;
+    [[1.0 - x * x * inverse, -x, mixed], [mixed, -z, 1.0 - z * z * inverse], axis]
+}
+
+/// How much light a cell of the square has: what of it lies in the unit disc.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct LitCell {
+    /// Area; all cells of a level have π.
+    pub(super) area: f32,
+    /// Middle of that part.
+    pub(super) middle: [f32; 2],
+}
+
+/// The cells of all levels.
+#[derive(Debug, Clone)]
+pub(super) struct Cells {
+    levels: Vec<Vec<LitCell>>,
+    pub(super) unlit: Unlit,
+}
+
+impl Cells {
+    pub(super) fn new(depth: usize) -> Self {
+        let mut finest = finest(depth);
+        let mut levels = Vec::with_capacity(depth + 1);
+        for level in (0..depth).rev() {
+            let side = 1usize << level;
+            let joined = |i: usize| {
+                let (row, column) = (2 * (i / side), 2 * (i % side));
+                let children = [(row, column), (row, column + 1), (row + 1, column), (row + 1, column + 1)];
+                sum(children.map(|(row, column)| finest[row * 2 * side + column]))
+            };
+            let coarser = (0..side * side).map(joined).collect();
+            levels.push(std::mem::replace(&mut finest, coarser));
+        }
+        levels.push(finest);
+        levels.reverse();
+        let unlit = Unlit::new(depth, |cell| at(&levels, cell).area <= 0.0);
+        Self { levels, unlit }
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        self.levels.iter().map(|level| size_of_val(level.as_slice())).sum::<usize>() + size_of::<Unlit>()
+    }
+
+    #[inline(always)]
+    pub(super) fn at(&self, cell: Cell) -> LitCell {
+        at(&self.levels, cell)
+    }
+
+    /// The lit cells of one level.
+    pub(super) fn level(&self, level: usize) -> impl Iterator<Item = &LitCell> {
+        self.levels[level.min(self.levels.len() - 1)].iter().filter(|cell| cell.area > 0.0)
+    }
+}
+
+#[inline(always)]
+fn at(levels: &[Vec<LitCell>], cell: Cell) -> LitCell {
+    levels[cell.level][(cell.row << cell.level) + cell.column]
+}
+
+fn sum(cells: [LitCell; 4]) -> LitCell {
+    let area: f32 = cells.iter().map(|cell| cell.area).sum();
+    let middle = |axis: usize| cells.iter().map(|cell| cell.area * cell.middle[axis]).sum::<f32>() / area;
+    if area > 0.0 { LitCell { area, middle: [middle(0), middle(1)] } } else { LitCell::default() }
+}
+
+/// By the midpoint rule over each cell's width; areas scaled to a sum of π.
+fn finest(depth: usize) -> Vec<LitCell> {
+    const STEPS: usize = 64;
+    let side = 1usize << depth;
+    let size = 2.0 / side as f64;
+    let mut cells: Vec<LitCell> = (0..side * side)
+        .map(|i| {
+            let (left, bottom) = ((i % side) as f64 * size - 1.0, (i / side) as f64 * size - 1.0);
+            let (mut area, mut moments) = (0.0, [0.0; 2]);
+            for step in 0..STEPS {
+                let x = left + (step as f64 + 0.5) / STEPS as f64 * size;
+                let half = (1.0 - x * x).max(0.0).sqrt();
+                let (low, high) = (bottom.max(-half), (bottom + size).min(half));
+                let strip = (high - low).max(0.0) * size / STEPS as f64;
+                area += strip;
+                moments[0] += strip * x;
+                moments[1] += strip * 0.5 * (low + high);
+            }
+            let middle = if area > 0.0 { moments.map(|moment| (moment / area) as f32) } else { [0.0; 2] };
+            LitCell { area: area as f32, middle }
+        })
+        .collect();
+    let scale = PI / cells.iter().map(|cell| cell.area).sum::<f32>();
+    cells.iter_mut().for_each(|cell| cell.area *= scale);
+    cells
+}
+
+/// The disc of one lane, and whether it covers all of the light.
+#[inline(always)]
+pub(super) fn disc(x: f32, y: f32, radius: f32) -> (Disc, bool) {
+    (Disc { center: [x, y], radius }, radius >= 1.0 && x.hypot(y) + 1.0 <= radius)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_scenes::random;
+    use glam::DVec3;
+
+    fn splat_one(square: &Square, offset: DVec3, radius: f32) -> ([f32; 3], bool) {
+        let (disc, meets) = square.splat(&offset.as_vec3().to_array().map(f32x8::splat), f32x8::splat(radius));
+        (disc.map(|value| value.to_array()[3]), meets.to_array()[3].to_bits() != 0)
+    }
+
+    /// A direction lies in the cap exactly where its point lies in the disc.
+    #[test]
+    fn caps_are_discs() {
+        let mut random = random(3);
+        let mut vector = |length: f64| {
+            DVec3::new(f64::from(random()), f64::from(random()), f64::from(random())).normalize_or(DVec3::Y) * length
+        };
+        let (mut inside, mut checked) = (0, 0);
+        for number in 0..400 {
+            let light = vector(50.0);
+            let square = Square::new(light.as_vec3().to_array(), [1.0, 10.0, 30.0, 49.0][number % 4]).unwrap();
+            let offset = vector(2.0);
+            let radius = [0.2f32, 1.0, 1.9, 1.999][number / 4 % 4];
+            let ([x, y, r], _) = splat_one(&square, offset, radius);
+            let cosine = (1.0 - f64::from(radius * radius) / 4.0).sqrt();
+            for step in 0..64 {
+                let (px, py) = ((step % 8) as f32 / 3.5 - 1.0, (step / 8) as f32 / 3.5 - 1.0);
+                let direction =
+                    square.directions(f32x8::splat(px), f32x8::splat(py)).map(|v| f64::from(v.to_array()[0]));
+                let direction = DVec3::from(direction);
+                assert!((direction.length() - 1.0).abs() < 1e-5);
+                let off = direction.dot(offset.normalize()) - cosine;
+                let within = (px - x).hypot(py - y) - r;
+                // Not where both are a matter of rounding, nor where an edge is taken for straight.
+                if off.abs() > 2e-3 && r < 100.0 {
+                    checked += 1;
+                    inside += usize::from(off > 0.0);
+                    assert_eq!(off > 0.0, within < 0.0, "{offset} {radius} in {square:?}: {off} {within}");
+                }
+            }
+        }
+        assert!(checked > 15_000 && inside > 3_000, "{checked} {inside}");
+    }
+
+    #[test]
+    fn spheres_behind_the_light_or_beside_it_are_not_in_the_way() {
+        let square = Square::new([0.0, 5.0, 0.0], 1.0).unwrap();
+        let meets = |y: f64, x: f64, radius: f32| splat_one(&square, DVec3::new(x, y, 0.0), radius).1;
+        assert!(meets(2.0, 0.0, 0.3) && !meets(7.0, 0.0, 0.3) && !meets(2.0, 1.0, 0.3) && !meets(-2.0, 0.0, 0.3));
+        // On the way past the light a disc shrinks steadily.
+        let radii: Vec<f32> =
+            (0..200).map(|i| splat_one(&square, DVec3::new(0.0, 4.0 + f64::from(i) * 0.01, 0.0), 0.4).0[2]).collect();
+        assert!(radii.windows(2).all(|pair| (pair[0] - pair[1]).abs() < 0.2) && radii[199] == 0.0);
+        assert!(Square::new([0.0, 0.5, 0.0], 1.0).is_none() && Square::new([0.0; 3], 0.0).is_none());
+    }
+
+    #[test]
+    fn cells_share_the_disc() {
+        let cells = Cells::new(5);
+        for level in 0..=5 {
+            let (area, x): (f32, f32) =
+                cells.level(level).fold((0.0, 0.0), |(area, x), c| (area + c.area, x + c.area * c.middle[0]));
+            assert!((area - PI).abs() < 1e-4 && x.abs() < 1e-4);
+        }
+        let inner = cells.at(Cell { level: 3, column: 3, row: 4 });
+        assert!((inner.area - 1.0 / 16.0).abs() < 1e-4 && (inner.middle[0] + 0.125).abs() < 1e-4);
+        assert_eq!(cells.at(Cell { level: 4, column: 0, row: 15 }).area, 0.0);
+    }
+
+    #[test]
+    fn frames_are_orthonormal_and_turn_smoothly() {
+        let mut random = random(9);
+        for _ in 0..100 {
+            let axis = DVec3::new(f64::from(random()), f64::from(random()), f64::from(random())).normalize_or(DVec3::X);
+            let [t, b, a] = frame_about(axis.as_vec3().to_array());
+            assert!(dot(t, b).abs() < 1e-3 && dot(t, a).abs() < 1e-3 && dot(b, a).abs() < 1e-3);
+            assert!((dot(t, t) - 1.0).abs() < 1e-3 && (dot(b, b) - 1.0).abs() < 1e-3);
+        }
+        assert_eq!(frame_about([0.0, -1.0, 0.0])[2], [0.0, -1.0, 0.0]);
+    }
+}
