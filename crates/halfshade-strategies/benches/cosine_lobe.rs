@@ -10,7 +10,7 @@ use halfshade_scene::{
     SphereLight, SphereSet, progress::Silent,
 };
 use halfshade_strategies::CosineLobe;
-use halfshade_strategy::{Baked, Params, Strategy};
+use halfshade_strategy::{Params, Strategy};
 use std::{hint::black_box, sync::Arc};
 
 /// Receivers along a side of the floor, and on each body.

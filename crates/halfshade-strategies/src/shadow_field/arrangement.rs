@@ -205,6 +205,11 @@ impl Place {
         self.turned(position).map(|axis| axis * f32x8::splat(self.inverse_scale))
     }
 
+    /// The same of one point.
+    pub(super) fn point_in_object(&self, position: [f32; 3]) -> Vec3 {
+        self.in_object(&position.map(f32x8::splat)).map(|axis| axis.as_array()[0]).into()
+    }
+
     #[inline(always)]
     fn turned(&self, position: &[f32x8; 3]) -> [f32x8; 3] {
         let offset: [f32x8; 3] = std::array::from_fn(|axis| position[axis] - f32x8::splat(self.field_center[axis]));
@@ -226,9 +231,4 @@ impl Place {
         let u = z.atan2(x) * f32x8::splat(0.5 * FRAC_1_PI);
         [distance * f32x8::splat(self.inverse_radius), u, v].map(f32x8::to_array)
     }
-}
-
-/// One point of light space relative to the middle of the object's ball, in the object's space.
-pub(super) fn splat_in_object(place: &Place, position: [f32; 3]) -> Vec3 {
-    place.in_object(&position.map(f32x8::splat)).map(|axis| axis.as_array()[0]).into()
 }

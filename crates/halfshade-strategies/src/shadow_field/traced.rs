@@ -1,7 +1,7 @@
 //! What fields stand for, found by rays at the receiver itself: slow, to tell what interpolation and products cost.
 
 use super::{
-    arrangement::{Arrangement, Entity, splat_in_object},
+    arrangement::{Arrangement, Entity},
     basis::{Ball, Basis},
     vertices::OwnRays,
 };
@@ -44,7 +44,7 @@ pub(super) fn reached(
     let seen = |object: usize| {
         let traced = known[object].clone()?;
         let place = &arrangement.places[object];
-        let local = splat_in_object(place, point.position) + traced.ball.center;
+        let local = place.point_in_object(point.position) + traced.ball.center;
         Some((traced, place.turn(), local))
     };
     let own = seen(point.object).map(|(traced, turn, local)| (traced, turn, local, turn * point.normal));

@@ -7,7 +7,7 @@ use super::{
     sparse::{forward, inverse},
 };
 use crate::shadow_field::{
-    arrangement::{Entity, LocalLight, splat_in_object},
+    arrangement::{Entity, LocalLight},
     baking::Source,
     traced::{self, Point},
 };
@@ -43,7 +43,7 @@ struct Scratch {
     /// One face of what is visible, and of a product.
     visible: Vec<f32>,
     product: Vec<f32>,
-    /// Texels of U.
+    /// Texels of U, where it is wavelets.
     texels: Vec<f32>,
     /// What a glossy receiver reflects: red, green, blue.
     gloss: [Vec<f32>; 3],
@@ -69,7 +69,7 @@ impl Scratch {
                 self.set_gloss(fields, normal, receivers.albedo_at(i), &lobes);
             }
             self.set_unit(fields, normal, is_glossy);
-            let local = splat_in_object(&arrangement.places[object], position);
+            let local = arrangement.places[object].point_in_object(position);
             if let Some((vertex, _)) = arrangement.vertex(object, receivers.index[i], local) {
                 fields.known[object].own.add(vertex, 1.0, &mut self.blocked);
                 self.hide(fields, object);
@@ -86,7 +86,7 @@ impl Scratch {
                             let [distance, u, v] = place.on_shells(&lanes).map(|x| x[0]);
                             field.add_at(distance, u, v, &mut self.blocked);
                         } else if let Some(traced) = &known.traced {
-                            self.blocked.add(&traced.blocked_from(&fields.basis, splat_in_object(place, position)));
+                            self.blocked.add(&traced.blocked_from(&fields.basis, place.point_in_object(position)));
                         }
                         self.hide(fields, other);
                     }
@@ -102,8 +102,8 @@ impl Scratch {
             if fields.source == Source::Together {
                 self.set_together(fields, point, order, is_glossy);
             }
-            self.find_texels(fields);
-            let (texels, gloss) = (&self.texels, &self.gloss);
+            let Self { unit, texels, gloss, .. } = self;
+            let texels = as_texels(fields, unit, texels);
             radiance += Vec3::from(std::array::from_fn(|channel| match is_glossy {
                 false => dot(texels, &fields.light[channel]),
                 true => dot_three(texels, &gloss[channel], &fields.light[channel]),
@@ -195,14 +195,6 @@ impl Scratch {
         blocked.clear();
     }
 
-    /// Sets `texels` to U.
-    fn find_texels(&mut self, fields: &HaarFields) {
-        self.texels.copy_from_slice(&self.unit);
-        if fields.product == Product::Wavelets {
-            inverse(fields.basis.cube, &mut self.texels);
-        }
-    }
-
     /// `S_j · U` of a light of radiance 1, by channel where the BRDF differs among them.
     fn reached(&mut self, fields: &HaarFields, light: &LocalLight, position: [f32; 3], is_glossy: bool) -> Vec3 {
         let basis = &fields.basis;
@@ -210,17 +202,29 @@ impl Scratch {
         // Within the light it is everywhere it can be, as far as a right angle.
         let sine = (light.radius / offset.length().max(f32::MIN_POSITIVE)).min(1.0);
         let cap = Cap::new(basis, offset.normalize_or(Vec3::Y), sine.asin());
-        self.find_texels(fields);
+        let Self { unit, texels, gloss, .. } = self;
         let (mut sum, mut covered) = (Vec3::ZERO, 0.0);
-        for (texel, unit) in self.texels.iter().enumerate() {
+        for (texel, unit) in as_texels(fields, unit, texels).iter().enumerate() {
             let weight = cap.coverage(basis, texel) * basis.solid_angles[texel];
             if weight > 0.0 {
-                let gloss = Vec3::from(self.gloss.each_ref().map(|channel| channel[texel]));
+                let gloss = Vec3::from(gloss.each_ref().map(|channel| channel[texel]));
                 sum += weight * unit * if is_glossy { gloss } else { Vec3::ONE };
                 covered += weight;
             }
         }
         if covered > 0.0 { sum * (cap.solid_angle() / covered) } else { Vec3::ZERO }
+    }
+}
+
+/// U as texels, in `texels` if it is wavelets.
+fn as_texels<'a>(fields: &HaarFields, unit: &'a [f32], texels: &'a mut [f32]) -> &'a [f32] {
+    match fields.product {
+        Product::Texels => unit,
+        Product::Wavelets => {
+            texels.copy_from_slice(unit);
+            inverse(fields.basis.cube, texels);
+            texels
+        }
     }
 }
 
