@@ -60,7 +60,7 @@ fn quadrature(frame: &Frame<'_>, position: Vec3, normal: DVec3, f: impl Fn(DVec3
     radiance
 }
 
-/// Who claims glossy reflectance gives what quadrature gives, without blockers, within [`Bounds::quadrature`]; of who doesn't,
+/// Who claims glossy reflectance gives what quadrature gives, without blockers, within [`Bounds::gloss`]; of who doesn't,
 /// a glossy scene is known to ask too much.
 pub fn gloss_is_modelled_or_refused(strategy: &dyn Strategy, params: &Params, bounds: &Bounds) -> Checked {
     let effects = strategy.info().effects;
@@ -118,7 +118,7 @@ fn check_case(
     let mean = expected.iter().map(|value| value.element_sum()).sum::<f64>() / (3 * expected.len()) as f64;
     for (i, exact) in expected.iter().enumerate() {
         let error = (found.at(i).as_dvec3() - *exact).abs().max_element();
-        if error.is_nan() || error > f64::from(bounds.quadrature) * mean {
+        if error.is_nan() || error > f64::from(bounds.gloss) * mean {
             return violation(format!("glossy, light {case}, receiver {i}: {} instead of {exact}", found.at(i)));
         }
     }

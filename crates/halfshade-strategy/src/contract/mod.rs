@@ -21,6 +21,8 @@ pub struct Bounds {
     pub constant: f32,
     /// Without blockers, from quadrature over a map, a sun or a lamp.
     pub quadrature: f32,
+    /// The same for glossy receivers, for whom a highlight may be many times the mean.
+    pub gloss: f32,
     /// Between a scene and the same scene turned with everything in it.
     pub rotation: f32,
     /// Of a receiver's radiance upwards when a blocker is added.

@@ -104,7 +104,7 @@ impl Baked for Prepared {
 }
 
 // The rotation's bound is that of a few thousand directions.
-const BOUNDS: Bounds = Bounds { constant: 5e-3, quadrature: 0.015, rotation: 0.05, brightening: 1e-5 };
+const BOUNDS: Bounds = Bounds { constant: 5e-3, quadrature: 0.015, gloss: 0.015, rotation: 0.05, brightening: 1e-5 };
 
 type Clause = fn(&Toy, &Params) -> Checked;
 
