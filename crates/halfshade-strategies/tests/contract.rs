@@ -53,7 +53,7 @@ contract_tests!(sh_exp_reflections_precomputed, ShExp, "intersections=precompute
 
 /// Four bands of everything: the clamped cosine alone is off by a twentieth of its peak, which a lamp shows, most where its
 /// light is faint; a highlight of exponent 15 is blurred by a tenth of its height, which is many times the mean.
-const FIELDS: Bounds = Bounds { constant: 0.02, quadrature: 0.5, gloss: 1.0, rotation: 0.1, brightening: 0.2 };
+const FIELDS: Bounds = Bounds { constant: 0.02, quadrature: 0.5, gloss: 1.2, rotation: 0.1, brightening: 0.2 };
 
 contract_tests!(shadow_field, ShadowField::default(), "shells=8,resolution=8,map=32", FIELDS);
 contract_tests!(

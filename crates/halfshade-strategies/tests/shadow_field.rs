@@ -99,14 +99,14 @@ fn a_ball_shades_a_plane_as_the_closed_form_says() {
 fn fields_converge_to_rays() {
     let scene = ball_over_plane();
     let receivers = first_object(&scene);
-    // Down to a thousandth, where cells of the maps begin to show.
+    // Down to between one and two thousandths, where cells of the maps begin to show.
     for basis in ["map=96", "basis=haar,face=32,kept=1"] {
         let rays = shade(baked(&scene, &format!("{basis},sampling=traced")).as_ref(), &receivers);
         let errors = [(4, 0.8), (8, 0.4), (16, 0.2)].map(|(size, spacing)| {
             let fixed = format!("sampling=fixed,storage=f32,shells={size},resolution={size},spacing={spacing}");
             rms(&shade(baked(&scene, &format!("{basis},{fixed}")).as_ref(), &receivers), &rays)
         });
-        assert!(errors[1] < 0.6 * errors[0] && errors[2] < errors[1] && errors[2] < 1.5e-3, "{basis}: {errors:?}");
+        assert!(errors[1] < 0.4 * errors[0] && errors[1] < 2e-3 && errors[2] < 2e-3, "{basis}: {errors:?}");
     }
 }
 

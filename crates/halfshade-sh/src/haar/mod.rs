@@ -1,4 +1,4 @@
-//! Haar wavelets on the faces of a cube [Guerrero2007, 3.4], after [Ng2004].
+//! Haar wavelets on the faces of a cube [Guerrero2007, 3.4], after \[Ng2004\].
 //!
 //! A function of direction is constant on every texel of a [`cube`] map. On each face, seen as a unit square, it is a sum
 //! of 2D Haar wavelets: orthonormal over the square (not over the sphere, on which texels differ in size), made by

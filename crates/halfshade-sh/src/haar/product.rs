@@ -1,4 +1,4 @@
-//! The product of two functions in the Haar basis: the triple product [Ng2004] of two vectors with every basis function.
+//! The product of two functions in the Haar basis: the triple product \[Ng2004\] of two vectors with every basis function.
 //!
 //! Three wavelets have an integral other than 0 only if they share a square, or two are the same and lie within one
 //! quarter of the third. So one walk down the tree of squares finds the product, with the means of both functions over the

@@ -1,4 +1,4 @@
-//! Direct light of spherical lights by cosine lobes [Meunier2009]: reflectance, light and visibility are sums of lobes
+//! Direct light of spherical lights by cosine lobes \[Meunier2009\]: reflectance, light and visibility are sums of lobes
 //! `s max(a·v, 0)^e`, and the integral of a product of lobes is looked up (`halfshade_sh::lobe`).
 //!
 //! ```text
@@ -23,7 +23,7 @@
 //! **Deviations** from the paper. Projection is stereographic instead of onto a plane, where spheres are exactly discs; the
 //! tree is built from its finest cells, so that siblings hidden by several spheres join; where all cells with light are
 //! hidden, radiance is 0. `leaves=fraction`, the default, keeps partly covered cells by the fraction covered. Spheres that
-//! contain a receiver or cut its tangent plane follow the rules of [Guerrero2007, 4.2], since [Meunier2009] has none. As
+//! contain a receiver or cut its tangent plane follow the rules of [Guerrero2007, 4.2], since \[Meunier2009\] has none. As
 //! published: `order=published,leaves=aggressive,fit=least-squares,product=published`.
 //!
 //! **Errors**, relative RMSE on `five-blockers` against its spheres' truth (`experiments/mask-depth.toml`):
