@@ -33,7 +33,6 @@ impl Moment {
             && self.spheres.len() == objects.len()
             && self.spheres.iter().zip(objects).all(same_spheres)
             && self.world_from_environment == frame.world_from_environment
-            && self.environment.sun == environment.sun
-            && self.environment.base.is_same_as(&environment.base)
+            && self.environment.is_same_as(environment)
     }
 }

@@ -3,7 +3,7 @@
 use super::{
     arrangement::Arrangement,
     basis::{Ball, Storage},
-    field::{Shells, Thinning, ball},
+    field::{Field, Shells, Thinning, ball},
     traced::Traced,
     vertices::{OwnRays, Vertices},
 };
@@ -13,7 +13,7 @@ use halfshade_scene::{
 };
 use halfshade_strategy::StrategyError;
 use serde::{Serialize, de::DeserializeOwned};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Of what is cached: raised whenever it would come out differently.
 const VERSION: u32 = 3;
@@ -59,39 +59,69 @@ impl Baking<'_> {
         Ok(data)
     }
 
-    /// The triangles of a mesh, if they take the place of its field.
-    pub(super) fn traced(&self, mesh: &Mesh, ball: Option<Ball>) -> Option<Arc<Traced>> {
-        let ball = ball.filter(|_| self.source != Source::Fields)?;
-        Some(Arc::new(Traced::new(OwnRays::new(mesh), ball)))
-    }
-
-    /// `bake` for every mesh of the scene, once for those that objects share; and where they are.
-    pub(super) fn every_mesh<K>(
+    /// What `field` and `own` find of every mesh of the scene, once for those that objects share; and where they are.
+    pub(super) fn every_mesh<S, O>(
         &self,
         scene: &Scene,
         progress: &dyn Progress,
-        bake: impl Fn(&Mesh) -> Result<K, StrategyError>,
-    ) -> Result<(Vec<Arc<K>>, Arrangement), StrategyError> {
+        field: impl Fn(&MeshRays<'_>, Ball) -> Result<Field<S>, StrategyError>,
+        own: impl Fn(&MeshRays<'_>) -> Result<O, StrategyError>,
+    ) -> Result<(KnownMeshes<S, O>, Arrangement), StrategyError> {
         progress.start("shadow fields", (scene.objects.len() * self.sampling.len()) as u64);
-        let mut meshes: Vec<(Arc<Mesh>, Arc<K>, Arc<Vertices>)> = Vec::new();
-        let (mut known, mut bodies) = (Vec::new(), Vec::new());
+        let mut known: KnownMeshes<S, O> = Vec::new();
+        let mut bodies: Vec<(Arc<Vertices>, Ball)> = Vec::new();
         for object in &scene.objects {
             let mesh = &object.mesh;
-            let same = meshes.iter().find(|(other, ..)| Arc::ptr_eq(other, mesh));
-            let (_, baked, vertices) = match same {
-                Some(same) => {
-                    progress.advance(self.sampling.len() as u64);
-                    same
-                }
-                None => {
-                    meshes.push((mesh.clone(), Arc::new(bake(mesh)?), Arc::new(Vertices::new(mesh))));
-                    &meshes[meshes.len() - 1]
-                }
+            let before = &scene.objects[..known.len()];
+            if let Some(same) = before.iter().position(|other| Arc::ptr_eq(&other.mesh, mesh)) {
+                progress.advance(self.sampling.len() as u64);
+                known.push(known[same].clone());
+                bodies.push(bodies[same].clone());
+                continue;
+            }
+            let (rays, ball) = (MeshRays::new(mesh), ball(mesh));
+            let own = own(&rays)?;
+            let (field, traced) = match (ball, self.source) {
+                (Some(ball), Source::Fields) => (Some(field(&rays, ball)?), None),
+                (Some(ball), Source::Traced | Source::Together) => (None, Some(Traced::new(rays.take(), ball))),
+                (None, _) => (None, None),
             };
-            known.push(baked.clone());
+            known.push(Arc::new(Known { field, traced, own }));
             let nowhere = Ball { center: glam::Vec3::ZERO, radius: 0.0 };
-            bodies.push((vertices.clone(), ball(mesh).unwrap_or(nowhere)));
+            bodies.push((Arc::new(Vertices::new(mesh)), ball.unwrap_or(nowhere)));
         }
         Ok((known, Arrangement::new(bodies.into_iter(), scene)))
+    }
+}
+
+/// What is known of one mesh.
+pub(super) struct Known<S, O> {
+    pub(super) field: Option<Field<S>>,
+    /// Instead of a field.
+    pub(super) traced: Option<Traced>,
+    /// Of its vertices.
+    pub(super) own: O,
+}
+
+/// Per object, shared by those of one mesh.
+pub(super) type KnownMeshes<S, O> = Vec<Arc<Known<S, O>>>;
+
+/// A mesh and the hierarchy over it, which is built if anybody asks: what is cached needs no rays.
+pub(super) struct MeshRays<'a> {
+    pub(super) mesh: &'a Mesh,
+    rays: OnceLock<OwnRays>,
+}
+
+impl<'a> MeshRays<'a> {
+    fn new(mesh: &'a Mesh) -> Self {
+        Self { mesh, rays: OnceLock::new() }
+    }
+
+    pub(super) fn get(&self) -> &OwnRays {
+        self.rays.get_or_init(|| OwnRays::new(self.mesh))
+    }
+
+    fn take(self) -> OwnRays {
+        self.rays.into_inner().unwrap_or_else(|| OwnRays::new(self.mesh))
     }
 }

@@ -2,33 +2,40 @@
 
 use super::{
     arrangement::Arrangement,
+    baking::Known,
     basis::{Ball, Basis, Shell, VectorOf, rays},
     field::Field,
     shells::direction,
 };
 use halfshade_scene::Mesh;
-use halfshade_strategy::Detail;
+use halfshade_strategy::{Detail, Footprint};
 use rayon::prelude::*;
 use std::{f32::consts::FRAC_1_PI, sync::Arc};
 
 /// What is known of meshes, each once, with the number of the first object that has it.
-pub(super) fn distinct<K>(known: &[Arc<K>]) -> impl Iterator<Item = (usize, &K)> {
+fn distinct<K>(known: &[Arc<K>]) -> impl Iterator<Item = (usize, &K)> {
     (known.iter().enumerate())
         .filter(|(number, one)| !known[..*number].iter().any(|other| Arc::ptr_eq(other, one)))
         .map(|(number, one)| (number, &**one))
 }
 
+/// Bytes of fields and, by `own_bytes`, of the meshes' own occlusion.
+pub(super) fn footprint<S: Shell, O>(known: &[Arc<Known<S, O>>], own_bytes: impl Fn(&O) -> usize) -> Footprint {
+    let fields = distinct(known).map(|(_, known)| known.field.as_ref().map_or(0, Field::bytes)).sum();
+    let own = distinct(known).map(|(_, known)| own_bytes(&known.own)).sum();
+    Footprint { parts: vec![("occlusion fields", fields), ("own occlusion", own)] }
+}
+
 /// Per mesh, named by its first object. `read` gives the vector at a distance in radii and a place.
-pub(super) fn details<K, S: Shell>(
+pub(super) fn details<S: Shell, O>(
     basis: &S::Basis,
     arrangement: &Arrangement,
-    known: &[Arc<K>],
-    field: impl Fn(&K) -> Option<&Field<S>>,
+    known: &[Arc<Known<S, O>>],
     read: impl Fn(&Field<S>, f32, [f32; 2]) -> VectorOf<S> + Sync,
 ) -> Vec<Detail> {
     let mut details = Vec::new();
     for (number, one) in distinct(known) {
-        let Some(field) = field(one) else { continue };
+        let Some(field) = &one.field else { continue };
         let (name, mesh) = arrangement.object(number);
         let mut add = |what: &str, values| details.push(Detail { name: format!("{name}: {what}"), values });
         add("resolution by shell", field.resolutions().into_iter().map(|x| x as f64).collect());

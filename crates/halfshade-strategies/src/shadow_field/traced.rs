@@ -6,7 +6,7 @@ use super::{
     vertices::OwnRays,
 };
 use glam::Vec3;
-use std::{f32::consts::FRAC_1_PI, sync::Arc};
+use std::f32::consts::FRAC_1_PI;
 
 /// The triangles of one mesh.
 pub(super) struct Traced {
@@ -35,14 +35,14 @@ pub(super) struct Point {
 
 /// What reaches a receiver at once, `V cos/π` as a function of direction in light space: V what its own object and those
 /// `nearer` leave visible.
-pub(super) fn reached(
+pub(super) fn reached<'a>(
     arrangement: &Arrangement,
-    known: &[Option<Arc<Traced>>],
+    traced: impl Fn(usize) -> Option<&'a Traced>,
     point: Point,
     nearer: &[Entity],
-) -> impl Fn(Vec3) -> f32 {
+) -> impl Fn(Vec3) -> f32 + 'a {
     let seen = |object: usize| {
-        let traced = known[object].clone()?;
+        let traced = traced(object)?;
         let place = &arrangement.places[object];
         let local = place.point_in_object(point.position) + traced.ball.center;
         Some((traced, place.turn(), local))

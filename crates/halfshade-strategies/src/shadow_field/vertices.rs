@@ -36,14 +36,22 @@ impl OwnRays {
     }
 }
 
-/// Per vertex what its own mesh hides: O_v [Tamura2006, figure 3], as what is blocked.
-pub(super) fn own_blocked<B: Basis>(basis: &B, mesh: &Mesh) -> Vec<B::Vector> {
-    let rays = OwnRays::new(mesh);
+/// Per vertex the vector of `value(direction, normal, blocked)`; the last tells whether the mesh hides the direction.
+pub(super) fn own_vectors<B: Basis>(
+    basis: &B,
+    (mesh, rays): (&Mesh, &OwnRays),
+    value: impl Fn(Vec3, Vec3, &dyn Fn() -> bool) -> f32 + Sync,
+) -> Vec<B::Vector> {
     (mesh.positions.par_iter().zip(&mesh.normals))
         .map(|(&position, &normal)| {
-            basis.project(&|direction| f32::from(u8::from(rays.blocked(position, normal, direction))))
+            basis.project(&|direction| value(direction, normal, &|| rays.blocked(position, normal, direction)))
         })
         .collect()
+}
+
+/// Per vertex what its own mesh hides: O_v [Tamura2006, figure 3], as what is blocked.
+pub(super) fn own_blocked<B: Basis>(basis: &B, of: (&Mesh, &OwnRays)) -> Vec<B::Vector> {
+    own_vectors(basis, of, |_, _, blocked| f32::from(u8::from(blocked())))
 }
 
 /// The vertices of a mesh.

@@ -14,21 +14,18 @@ mod turn;
 
 use super::{
     arrangement::Arrangement,
-    baking::{Baking, Source},
-    basis::rays,
-    details::{details, distinct},
-    field::{Field, Projected, ball},
-    traced::Traced,
+    baking::{Baking, KnownMeshes, MeshRays, Source},
+    details::{details, footprint},
+    field::{Field, Projected},
     vertices::own_blocked,
 };
-use halfshade_scene::{Environment, Frame, Progress, RadianceMut, Receivers, Scene};
+use halfshade_scene::{Environment, Frame, Mesh, Progress, RadianceMut, Receivers, Scene};
 use halfshade_strategy::{Baked, Detail, Footprint, Params, StrategyError};
 use projection::HaarBasis;
 use rayon::prelude::*;
 use rows::{Rows, Sum};
 use shell::HaarShell;
 use sparse::Sparse;
-use std::sync::Arc;
 use turn::Turn;
 
 /// How visibilities are multiplied.
@@ -40,15 +37,6 @@ enum Product {
     Wavelets,
 }
 
-/// What is known of one mesh.
-struct Known {
-    field: Option<Field<HaarShell>>,
-    /// Instead of a field.
-    traced: Option<Arc<Traced>>,
-    /// Per vertex.
-    own: Rows,
-}
-
 /// Fields of the scene, light and places of the frame.
 struct HaarFields {
     source: Source,
@@ -57,8 +45,7 @@ struct HaarFields {
     /// Of the texels: x, y, z.
     directions: [Vec<f32>; 3],
     /// Per object.
-    known: Vec<Arc<Known>>,
-    traced: Vec<Option<Arc<Traced>>>,
+    known: KnownMeshes<HaarShell, Rows>,
     /// Radiance times solid angle per texel: red, green, blue; and what it is of.
     light: [Vec<f32>; 3],
     known_light: Option<Environment>,
@@ -76,34 +63,28 @@ pub(super) fn bake(
 ) -> Result<Box<dyn Baked>, StrategyError> {
     let (face, kept) = ((params.integer("face") as usize).next_power_of_two(), params.float("kept"));
     let basis = HaarBasis::new(face, kept);
-    let (known, arrangement) = baking.every_mesh(scene, progress, |mesh| {
-        let key = |kind| baking.key(kind, mesh).value(&(face, kept, baking.storage));
+    let key = |kind, mesh: &Mesh| baking.key(kind, mesh).value(&(face, kept, baking.storage));
+    let field = |of: &MeshRays<'_>, ball| {
+        // As stored: what is projected would fill disks.
         let sampling = baking.sampling;
-        let ball = ball(mesh);
-        let traced = baking.traced(mesh, ball);
-        let field = match ball {
-            Some(ball) if traced.is_none() => {
-                // As stored: what is projected would fill disks.
-                let key = key("shadow-field-haar").value(&(sampling, baking.thinning));
-                Some(baking.cached(&key, (sampling.len(), progress), || {
-                    let projected = Projected::new(&basis, (&rays(mesh), ball), sampling, progress);
-                    Field::new(&basis, &projected, baking.thinning, baking.storage)
-                })?)
-            }
-            _ => None,
-        };
-        let own = baking.cached(&key("own-occlusion-haar"), (0, progress), || {
-            Rows::store(basis.cube, &own_blocked(&basis, mesh), baking.storage)
-        })?;
-        Ok(Known { field, traced, own })
-    })?;
+        let key = key("shadow-field-haar", of.mesh).value(&(sampling, baking.thinning));
+        baking.cached(&key, (sampling.len(), progress), || {
+            let projected = Projected::new(&basis, (of.get().rays(), ball), sampling, progress);
+            Field::new(&basis, &projected, baking.thinning, baking.storage)
+        })
+    };
+    let own = |of: &MeshRays<'_>| {
+        baking.cached(&key("own-occlusion-haar", of.mesh), (0, progress), || {
+            Rows::store(basis.cube, &own_blocked(&basis, (of.mesh, of.get())), baking.storage)
+        })
+    };
+    let (known, arrangement) = baking.every_mesh(scene, progress, field, own)?;
     let directions = std::array::from_fn(|axis| basis.directions.iter().map(|direction| direction[axis]).collect());
     Ok(Box::new(HaarFields {
         source: baking.source,
         basis,
         product: if params.choice("product") == "wavelets" { Product::Wavelets } else { Product::Texels },
         directions,
-        traced: known.iter().map(|known| known.traced.clone()).collect(),
         known,
         light: Default::default(),
         known_light: None,
@@ -114,10 +95,7 @@ pub(super) fn bake(
 
 impl Baked for HaarFields {
     fn footprint(&self) -> Footprint {
-        let sum = |bytes: fn(&Known) -> usize| distinct(&self.known).map(|(_, known)| bytes(known)).sum();
-        let fields = sum(|known| known.field.as_ref().map_or(0, Field::bytes));
-        let own = sum(|known| known.own.bytes());
-        Footprint { parts: vec![("occlusion fields", fields), ("own occlusion", own)] }
+        footprint(&self.known, Rows::bytes)
     }
 
     fn details(&self) -> Vec<Detail> {
@@ -127,7 +105,7 @@ impl Baked for HaarFields {
             // All of it, as shading has it.
             Sparse::largest(&sum.values, self.basis.cube.len())
         };
-        details(&self.basis, &self.arrangement, &self.known, |known| known.field.as_ref(), read)
+        details(&self.basis, &self.arrangement, &self.known, read)
     }
 
     fn prepare(&mut self, frame: &Frame<'_>) -> Result<(), StrategyError> {

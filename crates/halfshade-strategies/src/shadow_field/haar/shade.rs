@@ -12,7 +12,7 @@ use crate::shadow_field::{
     traced::{self, Point},
 };
 use glam::Vec3;
-use halfshade_scene::{Lobes, RadianceMut, Receivers};
+use halfshade_scene::{Lobes, RadianceMut, Receivers, lobe::MAX_LOBES};
 use halfshade_sh::haar::{product::product, transform};
 use std::{f32::consts::FRAC_1_PI, ops::Range};
 use wide::f32x8;
@@ -137,16 +137,18 @@ impl Scratch {
     /// A lobe that is narrower than texels is made as wide as they are, and keeps its integral.
     fn set_gloss(&mut self, fields: &HaarFields, normal: Vec3, albedo: Vec3, lobes: &Lobes) {
         let sharpest = SHARPEST * (fields.basis.cube.side() as f32).powi(2);
+        let axes: [Vec3; MAX_LOBES] =
+            std::array::from_fn(|i| lobes.get(i).map_or(Vec3::Y, |lobe| fields.arrangement.direction(lobe.axis)));
         let [red, green, blue] = &mut self.gloss;
         for (((direction, red), green), blue) in fields.basis.directions.iter().zip(red).zip(green).zip(blue) {
             let cosine = direction.dot(normal);
             let mut sum = Vec3::ZERO;
             if cosine > 0.0 {
                 sum = FRAC_1_PI * cosine * albedo;
-                for lobe in lobes.iter() {
+                for (lobe, axis) in lobes.iter().zip(axes) {
                     let exponent = lobe.exponent.min(sharpest);
                     let kept = (exponent + 1.0) / (lobe.exponent + 1.0);
-                    let along = direction.dot(fields.arrangement.direction(lobe.axis)).clamp(0.0, 1.0);
+                    let along = direction.dot(axis).clamp(0.0, 1.0);
                     let foreshortened = if lobe.times_cosine { cosine } else { 1.0 };
                     sum += kept * foreshortened * power(along, exponent) * lobe.scale;
                 }
@@ -157,7 +159,8 @@ impl Scratch {
 
     /// U = V ρ̂ with all that hides at once; V alone for a glossy receiver.
     fn set_together(&mut self, fields: &HaarFields, point: Point, nearer: &[Entity], is_glossy: bool) {
-        let reached = traced::reached(&fields.arrangement, &fields.traced, point, nearer);
+        let reached =
+            traced::reached(&fields.arrangement, |object| fields.known[object].traced.as_ref(), point, nearer);
         for (unit, &direction) in self.unit.iter_mut().zip(&fields.basis.directions) {
             let reached = reached(direction);
             *unit = if is_glossy { f32::from(u8::from(reached > 0.0)) } else { reached };

@@ -29,6 +29,7 @@ impl<const N: usize> GlossBatch<N> {
         let lobes: [Lobes; LANES] = std::array::from_fn(|k| eye_lobes.at(receivers, lane(k)));
         let count = lobes.iter().map(|lobes| lobes.len()).max().unwrap_or(0).min(MAX_LOBES);
         let mut batch = Self { count, shapes: [[f32x8::ZERO; N]; MAX_LOBES], scales: [[f32x8::ZERO; 3]; MAX_LOBES] };
+        let horizon = power::<N>(*normal, f32x8::ZERO);
         for number in 0..count {
             let mut axes = [Vec3::Y; LANES];
             let mut exponents = [0.0; LANES];
@@ -44,7 +45,6 @@ impl<const N: usize> GlossBatch<N> {
             let axis = std::array::from_fn(|i| f32x8::from(axes.map(|axis| axis[i])));
             let power = power::<N>(axis, exponents.into());
             let with_cosine = f32x8::from(times_cosine).simd_gt(f32x8::ZERO);
-            let horizon = self::power::<N>(*normal, f32x8::ZERO);
             let above: ShBatch<N> =
                 std::array::from_fn(|i| with_cosine.select(cosine[i] * f32x8::splat(PI), horizon[i]));
             batch.shapes[number] = kernel::product(&power, &above);

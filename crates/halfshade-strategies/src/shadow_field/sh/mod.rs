@@ -7,12 +7,10 @@ mod shell;
 
 use super::{
     arrangement::Arrangement,
-    baking::{Baking, Source},
-    basis::{Basis, rays},
-    details::{details, distinct},
-    field::{Field, Projected, ball},
-    traced::Traced,
-    vertices::{OwnRays, own_blocked},
+    baking::{Baking, KnownMeshes, MeshRays, Source},
+    details::{details, footprint},
+    field::{Field, Projected},
+    vertices::{OwnRays, own_blocked, own_vectors},
 };
 use halfshade_scene::{Environment, Frame, Mesh, Progress, RadianceMut, Receivers, Scene, light::DistantLight};
 use halfshade_sh::{
@@ -24,9 +22,8 @@ use halfshade_sh::{
 };
 use halfshade_strategy::{Baked, Detail, Footprint, Params, StrategyError};
 use projection::ShBasis;
-use rayon::prelude::*;
 use shell::{MOST, ShShell};
-use std::{f32::consts::FRAC_1_PI, sync::Arc};
+use std::f32::consts::FRAC_1_PI;
 
 /// What an object's own occlusion is kept as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,15 +32,6 @@ enum OwnKind {
     Blocked,
     /// Visibility times the cosine over π, projected as it is; for receivers that are vertices.
     Transfer,
-}
-
-/// What is known of one mesh.
-struct Known {
-    field: Option<Field<ShShell>>,
-    /// Instead of a field.
-    traced: Option<Arc<Traced>>,
-    /// Vectors of the vertices, one after another.
-    own: Vec<f32>,
 }
 
 /// Fields of the scene, light and places of the frame.
@@ -56,8 +44,7 @@ struct ShFields {
     /// Clamped cosine over π by band, times the rotation's factor: ρ̂.
     cosine: Vec<f32>,
     /// Per object.
-    known: Vec<Arc<Known>>,
-    traced: Vec<Option<Arc<Traced>>>,
+    known: KnownMeshes<ShShell, Vec<f32>>,
     /// S_d: coefficient by coefficient, red, green, blue; and what it is of.
     light: Vec<[f32; 3]>,
     known_light: Option<Environment>,
@@ -89,29 +76,24 @@ pub(super) fn bake(
     }
     let map = params.integer("map");
     let basis = ShBasis::new(bands, map as usize);
-    let (known, arrangement) = baking.every_mesh(scene, progress, |mesh| {
-        let key = |kind| baking.key(kind, mesh).value(&(bands, map));
+    let key = |kind, mesh: &Mesh| baking.key(kind, mesh).value(&(bands, map));
+    let field = |of: &MeshRays<'_>, ball| {
+        // As projected, so that another threshold needs no rays.
         let sampling = baking.sampling;
-        let ball = ball(mesh);
-        let traced = baking.traced(mesh, ball);
-        let field = match ball {
-            Some(ball) if traced.is_none() => {
-                // As projected, so that another threshold needs no rays.
-                let key = key("shadow-field-sh").value(&sampling);
-                let projected = baking.cached(&key, (sampling.len(), progress), || {
-                    Projected::new(&basis, (&rays(mesh), ball), sampling, progress)
-                })?;
-                Some(Field::new(&basis, &projected, baking.thinning, baking.storage))
-            }
-            _ => None,
-        };
-        let key = key("own-occlusion-sh").value(&(own_kind == OwnKind::Transfer));
-        let own = baking.cached(&key, (0, progress), || match own_kind {
-            OwnKind::Blocked => own_blocked(&basis, mesh).concat(),
-            OwnKind::Transfer => own_transfer(&basis, mesh).concat(),
+        let key = key("shadow-field-sh", of.mesh).value(&sampling);
+        let projected = baking.cached(&key, (sampling.len(), progress), || {
+            Projected::new(&basis, (of.get().rays(), ball), sampling, progress)
         })?;
-        Ok(Known { field, traced, own })
-    })?;
+        Ok(Field::new(&basis, &projected, baking.thinning, baking.storage))
+    };
+    let own = |of: &MeshRays<'_>| {
+        let key = key("own-occlusion-sh", of.mesh).value(&(own_kind == OwnKind::Transfer));
+        baking.cached(&key, (0, progress), || match own_kind {
+            OwnKind::Blocked => own_blocked(&basis, (of.mesh, of.get())).concat(),
+            OwnKind::Transfer => own_transfer(&basis, (of.mesh, of.get())).concat(),
+        })
+    };
+    let (known, arrangement) = baking.every_mesh(scene, progress, field, own)?;
     Ok(Box::new(ShFields {
         bands,
         source: baking.source,
@@ -119,7 +101,6 @@ pub(super) fn bake(
         own_kind,
         table,
         cosine: zonal::reflectance(bands).into_iter().map(|value| value as f32).collect(),
-        traced: known.iter().map(|known| known.traced.clone()).collect(),
         known,
         light: Vec::new(),
         known_light: None,
@@ -129,16 +110,11 @@ pub(super) fn bake(
 }
 
 /// Per vertex the visibility that its mesh leaves times the cosine over π.
-fn own_transfer(basis: &ShBasis, mesh: &Mesh) -> Vec<Vec<f32>> {
-    let rays = OwnRays::new(mesh);
-    (mesh.positions.par_iter().zip(&mesh.normals))
-        .map(|(&position, &normal)| {
-            basis.project(&|direction| {
-                let cosine = direction.dot(normal).max(0.0);
-                if cosine > 0.0 && !rays.blocked(position, normal, direction) { FRAC_1_PI * cosine } else { 0.0 }
-            })
-        })
-        .collect()
+fn own_transfer(basis: &ShBasis, of: (&Mesh, &OwnRays)) -> Vec<Vec<f32>> {
+    own_vectors(basis, of, |direction, normal, blocked| {
+        let cosine = direction.dot(normal).max(0.0);
+        if cosine > 0.0 && !blocked() { FRAC_1_PI * cosine } else { 0.0 }
+    })
 }
 
 /// Distant light, projected: coefficient by coefficient.
@@ -175,25 +151,16 @@ fn light_from_object(bands: usize, object_from_light: [[f32; 3]; 3]) -> Vec<f32>
 
 impl Baked for ShFields {
     fn footprint(&self) -> Footprint {
-        let sum = |bytes: fn(&Known) -> usize| distinct(&self.known).map(|(_, known)| bytes(known)).sum();
-        let fields = sum(|known| known.field.as_ref().map_or(0, Field::bytes));
-        let own = sum(|known| size_of_val(known.own.as_slice()));
-        Footprint { parts: vec![("occlusion fields", fields), ("own occlusion", own)] }
+        footprint(&self.known, |own| size_of_val(own.as_slice()))
     }
 
     fn details(&self) -> Vec<Detail> {
         let count = self.bands * self.bands;
-        details(
-            &self.basis,
-            &self.arrangement,
-            &self.known,
-            |known| known.field.as_ref(),
-            |field, distance, [u, v]| {
-                let mut sum = [0.0; MOST];
-                field.add_at(distance, u, v, &mut sum);
-                sum[..count].to_vec()
-            },
-        )
+        details(&self.basis, &self.arrangement, &self.known, |field, distance, [u, v]| {
+            let mut sum = [0.0; MOST];
+            field.add_at(distance, u, v, &mut sum);
+            sum[..count].to_vec()
+        })
     }
 
     fn prepare(&mut self, frame: &Frame<'_>) -> Result<(), StrategyError> {

@@ -62,7 +62,12 @@ fn shade_part<const N: usize>(
             let mut unit = [[0.0_f32; LANES]; N];
             for k in 0..lanes {
                 let point = Point { object, position: positions[k], normal: normals[k] };
-                let vector = fields.basis.project(&reached_together(arrangement, &fields.traced, point, nearer));
+                let vector = fields.basis.project(&reached_together(
+                    arrangement,
+                    |object| fields.known[object].traced.as_ref(),
+                    point,
+                    nearer,
+                ));
                 unit.iter_mut().zip(vector).for_each(|(row, value)| row[k] = value);
             }
             unit.map(f32x8::from)
