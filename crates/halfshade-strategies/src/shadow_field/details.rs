@@ -6,6 +6,7 @@ use super::{
     basis::{Ball, Basis, Shell, VectorOf, rays},
     field::Field,
     shells::direction,
+    solid::Solid,
 };
 use halfshade_scene::Mesh;
 use halfshade_strategy::{Detail, Footprint};
@@ -47,7 +48,7 @@ pub(super) fn details<S: Shell, O>(
 }
 
 /// The mean over points between sample points of how far a field is from what is projected there, by shell: as
-/// equation 1 measures it, at `POINTS` places halfway to the next shell inward.
+/// equation 1 measures it, at `POINTS` places halfway to the next shell inward, of which those within the solid don't count.
 fn interpolation_errors<S: Shell>(
     field: &Field<S>,
     basis: &S::Basis,
@@ -57,6 +58,7 @@ fn interpolation_errors<S: Shell>(
     const POINTS: usize = 64;
     let rays = rays(mesh);
     let ball = Ball { center: field.center, radius: field.radius };
+    let solid = Solid::new(&rays, ball);
     let radii = field.sampled.radii();
     (0..radii.len())
         .into_par_iter()
@@ -67,10 +69,12 @@ fn interpolation_errors<S: Shell>(
                 // A spiral of equal areas.
                 let (u, z) = (0.618_034 * number as f32 % 1.0, 1.0 - (2.0 * number as f32 + 1.0) / POINTS as f32);
                 let place = [u, z.acos() * FRAC_1_PI];
-                let exact = basis.blocked_from(&rays, ball.center + radius * ball.radius * direction(place), ball);
-                basis.difference(&read(radius, place), &exact)
+                let point = ball.center + radius * ball.radius * direction(place);
+                let outside = !solid.holds(point);
+                outside.then(|| basis.difference(&read(radius, place), &basis.blocked_from(&rays, point, ball)))
             };
-            (0..POINTS).map(error).sum::<f64>() / POINTS as f64
+            let errors: Vec<f64> = (0..POINTS).filter_map(error).collect();
+            errors.iter().sum::<f64>() / errors.len().max(1) as f64
         })
         .collect()
 }

@@ -4,6 +4,7 @@ use super::{
     adaptive::{kept_shells, thinned},
     basis::{Ball, Basis, Shell, Storage, VectorOf},
     shells::{Grid, direction, place},
+    solid::Solid,
 };
 use crate::triangle_rays::TriangleRays;
 use glam::{DVec3, Vec3};
@@ -36,6 +37,8 @@ pub(super) struct Shells {
     /// Distance between shells, and the radius of the first, in radii of the object's bounding sphere: 0.2 in
     /// [Tamura2006, 6].
     pub(super) spacing: f32,
+    /// Whether points within a solid are moved out of it; the paper has them blocked.
+    pub(super) leaves_solids: bool,
 }
 
 impl Shells {
@@ -88,21 +91,24 @@ impl<V: Clone + Send + Sync> Projected<V> {
         sampling: Shells,
         progress: &dyn Progress,
     ) -> Self {
-        let at = |radius: f32, resolution: usize| {
-            let sample = |number| {
-                let point = ball.center + radius * ball.radius * direction(place(resolution, number));
-                basis.blocked_from(rays, point, ball)
+        let solid = Solid::new(rays, ball);
+        let radii: Vec<f32> = std::iter::once(0.0).chain(sampling.radii()).collect();
+        let grid = |number: usize| {
+            let resolution = if number == 0 { 1 } else { sampling.resolution };
+            // As far as the next shell.
+            let reach = ball.radius * (radii.get(number + 1).unwrap_or(&radii[number]) - radii[number]);
+            let sample = |sample| {
+                let point = ball.center + radii[number] * ball.radius * direction(place(resolution, sample));
+                match sampling.leaves_solids {
+                    true => solid.blocked_near(basis, point, reach),
+                    false => basis.blocked_from(rays, point, ball),
+                }
             };
             let samples = (0..resolution * resolution).into_par_iter().map(sample).collect();
+            progress.advance(u64::from(number > 0));
             Grid { resolution, samples }
         };
-        let radii: Vec<f32> = std::iter::once(0.0).chain(sampling.radii()).collect();
-        let grid = |(number, &radius): (usize, &f32)| {
-            let grid = at(radius, if number == 0 { 1 } else { sampling.resolution });
-            progress.advance(u64::from(number > 0));
-            grid
-        };
-        let shells = radii.par_iter().enumerate().map(grid).collect();
+        let shells = (0..radii.len()).into_par_iter().map(grid).collect();
         Self { center: ball.center, radius: ball.radius, sampling, radii, shells }
     }
 }

@@ -34,6 +34,7 @@ mod field;
 mod haar;
 mod sh;
 mod shells;
+mod solid;
 mod traced;
 mod vertices;
 
@@ -85,6 +86,11 @@ impl Strategy for ShadowField {
                     "resolution",
                     "sample points per shell, in longitude as in latitude; rounded up to a power of two",
                     ParameterKind::Integer { default: 64, min: 1, max: 256 },
+                ),
+                parameter(
+                    "inside",
+                    "sample points within a solid: moved to the nearest places outside, or, as published, blocked",
+                    ParameterKind::Choice { values: &["moved", "blocked"], default: "moved" },
                 ),
                 parameter(
                     "map",
@@ -150,6 +156,7 @@ impl Strategy for ShadowField {
                 inner: params.integer("inner") as u32,
                 resolution: (params.integer("resolution") as usize).next_power_of_two(),
                 spacing: params.float("spacing") as f32,
+                leaves_solids: params.choice("inside") == "moved",
             },
             thinning: Thinning {
                 threshold: (sampling != "fixed").then(|| params.float("threshold")),

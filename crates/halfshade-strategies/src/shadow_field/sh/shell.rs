@@ -136,7 +136,7 @@ mod tests {
     const FIXED: Thinning = Thinning { threshold: None, drops_shells: false };
 
     fn shells(count: usize, resolution: usize) -> Shells {
-        Shells { count, inner: 0, resolution, spacing: 0.2 }
+        Shells { count, inner: 0, resolution, spacing: 0.2, leaves_solids: false }
     }
 
     fn baked(mesh: &Mesh, threshold: Option<f64>, storage: Storage) -> Field<ShShell> {
