@@ -4,6 +4,7 @@ use super::shells::Grid;
 use crate::triangle_rays::TriangleRays;
 use glam::Vec3;
 use halfshade_scene::Mesh;
+use serde::{Deserialize, Serialize};
 
 /// Where an object lies in its own space: the ball that holds it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,7 +65,7 @@ pub(super) trait Basis: Sync {
 }
 
 /// How coefficients are stored.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Storage {
     /// As a number of steps above the smallest value.
     U8,

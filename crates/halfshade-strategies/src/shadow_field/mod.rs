@@ -132,6 +132,11 @@ impl Strategy for ShadowField {
                     ParameterKind::Float { default: 0.05, min: 0.0, max: 1.0 },
                 ),
                 parameter(
+                    "coding",
+                    "Haar: coefficients listed by number, as published, or as trees, where parents tell of their children",
+                    ParameterKind::Choice { values: &["tree", "listed"], default: "tree" },
+                ),
+                parameter(
                     "product",
                     "Haar: the triple product of wavelets, or the same function from texels one by one",
                     ParameterKind::Choice { values: &["texels", "wavelets"], default: "texels" },

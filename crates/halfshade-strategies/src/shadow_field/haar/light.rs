@@ -75,11 +75,11 @@ impl Cap {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{super::rows::Coding, *};
 
     #[test]
     fn caps_have_their_solid_angle_and_their_axis() {
-        let basis = HaarBasis::new(32, 0.05);
+        let basis = HaarBasis::new(32, 0.05, Coding::Tree);
         for radius in [1e-3, 0.05, 0.5, 1.5] {
             let axis = Vec3::new(0.3, -0.5, 0.8).normalize();
             let cap = Cap::new(&basis, axis, radius);
@@ -96,7 +96,7 @@ mod tests {
 
     #[test]
     fn a_constant_sky_is_its_radiance_times_all() {
-        let basis = HaarBasis::new(8, 0.05);
+        let basis = HaarBasis::new(8, 0.05, Coding::Tree);
         let light = distant(&basis, &Environment::constant(Vec3::new(1.0, 2.0, 0.0)));
         let sums = light.map(|channel| channel.iter().sum::<f32>() / (2.0 * TAU));
         assert!((sums[0] - 1.0).abs() < 1e-5 && (sums[1] - 2.0).abs() < 1e-5 && sums[2] == 0.0);

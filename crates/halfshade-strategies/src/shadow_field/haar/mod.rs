@@ -10,6 +10,7 @@ mod rows;
 mod shade;
 mod shell;
 mod sparse;
+mod sum;
 mod turn;
 
 use super::{
@@ -23,9 +24,10 @@ use halfshade_scene::{Environment, Frame, Mesh, Progress, RadianceMut, Receivers
 use halfshade_strategy::{Baked, Detail, Footprint, Params, StrategyError};
 use projection::HaarBasis;
 use rayon::prelude::*;
-use rows::{Rows, Sum};
+use rows::{Coding, Rows};
 use shell::HaarShell;
 use sparse::Sparse;
+use sum::Sum;
 use turn::Turn;
 
 /// How visibilities are multiplied.
@@ -62,8 +64,9 @@ pub(super) fn bake(
     progress: &dyn Progress,
 ) -> Result<Box<dyn Baked>, StrategyError> {
     let (face, kept) = ((params.integer("face") as usize).next_power_of_two(), params.float("kept"));
-    let basis = HaarBasis::new(face, kept);
-    let key = |kind, mesh: &Mesh| baking.key(kind, mesh).value(&(face, kept, baking.storage));
+    let coding = if params.choice("coding") == "tree" { Coding::Tree } else { Coding::Listed };
+    let basis = HaarBasis::new(face, kept, coding);
+    let key = |kind, mesh: &Mesh| baking.key(kind, mesh).value(&(face, kept, coding, baking.storage));
     let field = |of: &MeshRays<'_>, ball| {
         // As stored: what is projected would fill disks.
         let sampling = baking.sampling;
@@ -75,7 +78,7 @@ pub(super) fn bake(
     };
     let own = |of: &MeshRays<'_>| {
         baking.cached(&key("own-occlusion-haar", of.mesh), (0, progress), || {
-            Rows::store(basis.cube, &own_blocked(&basis, (of.mesh, of.get())), baking.storage)
+            Rows::store(basis.cube, &own_blocked(&basis, (of.mesh, of.get())), baking.storage, coding)
         })
     };
     let (known, arrangement) = baking.every_mesh(scene, progress, field, own)?;

@@ -2,6 +2,7 @@
 
 use super::{
     super::basis::Basis,
+    rows::Coding,
     sparse::{Sparse, forward, inverse},
 };
 use glam::Vec3;
@@ -13,6 +14,8 @@ pub(super) struct HaarBasis {
     pub(super) cube: Cube,
     /// Most coefficients of a vector.
     kept: usize,
+    /// How vectors are stored.
+    pub(super) coding: Coding,
     /// Unit, in the middle of the texels.
     pub(super) directions: Vec<Vec3>,
     /// Of the texels, steradian.
@@ -21,13 +24,14 @@ pub(super) struct HaarBasis {
 
 impl HaarBasis {
     /// Of `face` texels along an edge, a power of two; vectors keep that share of their coefficients, at least one.
-    pub(super) fn new(face: usize, share: f64) -> Self {
+    pub(super) fn new(face: usize, share: f64, coding: Coding) -> Self {
         let cube = Cube::new(face.max(1).ilog2());
         let kept = ((share * cube.len() as f64).round() as usize).max(1);
         let direction = |texel| Vec3::from(cube.direction(texel, [0.5, 0.5]).map(|x| x as f32));
         Self {
             cube,
             kept,
+            coding,
             directions: (0..cube.len()).map(direction).collect(),
             solid_angles: (0..cube.len()).map(|texel| cube.solid_angle(texel) as f32).collect(),
         }
@@ -75,7 +79,7 @@ mod tests {
     #[test]
     fn a_ball_hides_a_cap() {
         let rays = rays(&shapes::sphere(60));
-        let basis = HaarBasis::new(32, 0.05);
+        let basis = HaarBasis::new(32, 0.05, Coding::Listed);
         let ball = Ball { center: Vec3::ZERO, radius: 1.0 };
         for point in [Vec3::new(0.0, 3.0, 0.0), Vec3::new(1.5, -0.5, 1.0), Vec3::new(-2.0, 0.1, 0.2)] {
             let blocked = basis.blocked_from(&rays, point, ball);
@@ -95,7 +99,7 @@ mod tests {
     #[test]
     fn more_coefficients_come_nearer() {
         let off = [0.005, 0.02, 0.05, 1.0].map(|share| {
-            let basis = HaarBasis::new(32, share);
+            let basis = HaarBasis::new(32, share, Coding::Listed);
             let cap = |direction: Vec3| f32::from(u8::from(direction.dot(Vec3::new(0.6, 0.0, 0.8)) > 0.8));
             let mut dense = vec![0.0; basis.cube.len()];
             basis.project(&cap).add_to(&mut dense, 1.0);

@@ -1,141 +1,246 @@
-//! Sparse Haar vectors in memory, one after another.
+//! Sparse Haar vectors in memory, one after another, as bytes.
+//!
+//! A row starts with the faces that it has anything on, as bits. Then follow values and where they belong, in either
+//! [`Coding`].
 
-use super::{super::basis::Storage, sparse::Sparse};
+use super::{super::basis::Storage, sparse::Sparse, sum::Sum};
 use halfshade_sh::haar::cube::Cube;
 use serde::{Deserialize, Serialize};
 
-/// A sum of vectors.
-#[derive(Debug)]
-pub(super) struct Sum {
-    pub(super) cube: Cube,
-    pub(super) values: Vec<f32>,
-    /// Faces on which something was added: bits.
-    pub(super) faces: u8,
+/// How a row tells which coefficients it has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) enum Coding {
+    /// Each by its number, of two bytes, as [Tamura2006, 5.2] lists them.
+    Listed,
+    /// By the tree of squares, as wavelets are significant where their parents are [Shapiro1993]: per square a byte with
+    /// bits for its three wavelets, then for its four quarters, and for the face's mean.
+    Tree,
 }
 
-impl Sum {
-    pub(super) fn new(cube: Cube) -> Self {
-        Self { cube, values: vec![0.0; cube.len()], faces: 0 }
-    }
-
-    /// Adds a vector.
-    pub(super) fn add(&mut self, vector: &Sparse) {
-        vector.add_to(&mut self.values, 1.0);
-        let face = |index: &u16| usize::from(*index) / self.cube.face_len();
-        self.faces |= vector.indices.iter().fold(0, |faces, index| faces | 1 << face(index));
-    }
-
-    pub(super) fn clear(&mut self) {
-        for (face, values) in self.values.chunks_exact_mut(self.cube.face_len()).enumerate() {
-            if self.faces & (1 << face) != 0 {
-                values.fill(0.0);
-            }
-        }
-        self.faces = 0;
-    }
-}
-
-/// Vectors: number and value of every coefficient.
+/// Vectors: place and value of every coefficient.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Rows {
     /// Coefficients of a face.
     face_len: usize,
+    coding: Coding,
+    storage: Storage,
     /// Where each row starts, and the end.
     starts: Vec<u32>,
-    indices: Vec<u16>,
-    values: Values,
-    /// Per level of wavelets the smallest value and the step: those of a level are alike in size. 0 and 1 unless in 8
-    /// bits.
-    least: Vec<f32>,
-    step: Vec<f32>,
+    bytes: Vec<u8>,
+    /// Per level of wavelets, after the mean, the smallest value and the step: those of a level are alike in size. 0 and 1
+    /// unless in 8 bits.
+    scale: Vec<[f32; 2]>,
 }
 
-#[derive(Debug, Serialize, Deserialize)]
-enum Values {
-    U8(Vec<u8>),
-    /// As bits.
-    F16(Vec<u16>),
-    F32(Vec<f32>),
-}
+const MEAN: u8 = 1 << 7;
 
-/// Level of a coefficient, 0 for the scaling function, by its number on its face.
+/// Level of a coefficient, 0 for the mean, by its number on its face.
 fn level(face_len: usize, index: u16) -> usize {
     let on_face = usize::from(index) & (face_len - 1);
     on_face.checked_ilog2().map_or(0, |log| log as usize / 2 + 1)
 }
 
 impl Rows {
-    pub(super) fn store(cube: Cube, vectors: &[Sparse], storage: Storage) -> Self {
-        let mut starts = vec![0];
-        for vector in vectors {
-            starts.push(starts[starts.len() - 1] + vector.indices.len() as u32);
-        }
-        let indices: Vec<u16> = vectors.iter().flat_map(|vector| &vector.indices).copied().collect();
-        let all: Vec<f32> = vectors.iter().flat_map(|vector| &vector.values).copied().collect();
-        let levels = cube.side().ilog2() as usize + 1;
-        let (mut least, mut step) = (vec![0.0; levels], vec![1.0; levels]);
-        let values = match storage {
-            Storage::U8 => {
-                let (mut low, mut high) = (vec![f32::INFINITY; levels], vec![f32::NEG_INFINITY; levels]);
-                for (&index, &value) in indices.iter().zip(&all) {
-                    let level = level(cube.face_len(), index);
-                    (low[level], high[level]) = (low[level].min(value), high[level].max(value));
+    pub(super) fn store(cube: Cube, vectors: &[Sparse], storage: Storage, coding: Coding) -> Self {
+        let (face_len, levels) = (cube.face_len(), cube.side().ilog2() as usize + 1);
+        let mut scale = vec![[0.0, 1.0]; levels];
+        if storage == Storage::U8 {
+            let mut range = vec![[f32::INFINITY, f32::NEG_INFINITY]; levels];
+            for (&index, &value) in vectors.iter().flat_map(|vector| vector.indices.iter().zip(&vector.values)) {
+                let [low, high] = &mut range[level(face_len, index)];
+                (*low, *high) = (low.min(value), high.max(value));
+            }
+            for (scale, [low, high]) in scale.iter_mut().zip(range) {
+                if low <= high {
+                    *scale = [low, (high - low) / 255.0];
                 }
-                for level in 0..levels {
-                    if low[level] <= high[level] {
-                        (least[level], step[level]) = (low[level], (high[level] - low[level]) / 255.0);
+            }
+        }
+        let mut rows = Self { face_len, coding, storage, starts: vec![0], bytes: Vec::new(), scale };
+        let mut dense = vec![None; cube.len()];
+        for vector in vectors {
+            rows.bytes.push(vector.faces(cube));
+            match coding {
+                Coding::Listed => {
+                    for (&index, &value) in vector.indices.iter().zip(&vector.values) {
+                        rows.bytes.extend(index.to_le_bytes());
+                        rows.push(level(face_len, index), value);
                     }
                 }
-                let quantized = |(&index, &value): (&u16, &f32)| {
-                    let level = level(cube.face_len(), index);
-                    if step[level] > 0.0 { ((value - least[level]) / step[level]).round() as u8 } else { 0 }
-                };
-                Values::U8(indices.iter().zip(&all).map(quantized).collect())
+                Coding::Tree => {
+                    dense.fill(None);
+                    vector
+                        .indices
+                        .iter()
+                        .zip(&vector.values)
+                        .for_each(|(&i, &value)| dense[usize::from(i)] = Some(value));
+                    for face in dense.chunks_exact(face_len) {
+                        rows.push_square(face, Square::WHOLE);
+                    }
+                }
             }
-            Storage::F16 => Values::F16(all.iter().map(|&value| half::f16::from_f32(value).to_bits()).collect()),
-            Storage::F32 => Values::F32(all),
-        };
-        Self { face_len: cube.face_len(), starts, indices, values, least, step }
+            rows.starts.push(rows.bytes.len() as u32);
+        }
+        rows
     }
 
+    fn push(&mut self, level: usize, value: f32) {
+        let [least, step] = self.scale[level];
+        match self.storage {
+            Storage::U8 => self.bytes.push(if step > 0.0 { ((value - least) / step).round() as u8 } else { 0 }),
+            Storage::F16 => self.bytes.extend(half::f16::from_f32(value).to_le_bytes()),
+            Storage::F32 => self.bytes.extend(value.to_le_bytes()),
+        }
+    }
+
+    /// A square and all within it, if there is anything; whether there was.
+    fn push_square(&mut self, face: &[Option<f32>], square: Square) -> bool {
+        let first = self.bytes.len();
+        let mut present = 0;
+        self.bytes.push(0);
+        if let (Some(mean), 0) = (face[0], square.level) {
+            present |= MEAN;
+            self.push(0, mean);
+        }
+        // A face of one texel has no wavelets.
+        if square.count < face.len() {
+            for (bit, index) in square.wavelets().enumerate() {
+                if let Some(value) = face[index] {
+                    present |= 1 << bit;
+                    self.push(square.level + 1, value);
+                }
+            }
+            if 4 * square.count < face.len() {
+                for (bit, quarter) in square.quarters().enumerate() {
+                    if self.push_square(face, quarter) {
+                        present |= 1 << (3 + bit);
+                    }
+                }
+            }
+        }
+        if present == 0 {
+            self.bytes.truncate(first);
+        } else {
+            self.bytes[first] = present;
+        }
+        present != 0
+    }
+
+    /// Memory that it takes.
     pub(super) fn bytes(&self) -> usize {
-        let values = match &self.values {
-            Values::U8(values) => values.len() + 8 * self.least.len(),
-            Values::F16(values) => 2 * values.len(),
-            Values::F32(values) => 4 * values.len(),
-        };
-        4 * self.starts.len() + 2 * self.indices.len() + values
+        let scale = if self.storage == Storage::U8 { size_of_val(self.scale.as_slice()) } else { 0 };
+        4 * self.starts.len() + self.bytes.len() + scale
     }
 
     /// Adds `weight` times a row.
     #[inline]
     pub(super) fn add(&self, row: usize, weight: f32, sum: &mut Sum) {
+        let bytes = &self.bytes[self.starts[row] as usize..self.starts[row + 1] as usize];
         if weight == 0.0 {
             return;
         }
-        let range = self.starts[row] as usize..self.starts[row + 1] as usize;
-        let indices = &self.indices[range.clone()];
-        match &self.values {
-            Values::U8(values) => {
-                for (&index, &value) in indices.iter().zip(&values[range]) {
-                    let level = level(self.face_len, index);
-                    let value = f32::from(value).mul_add(self.step[level], self.least[level]);
-                    sum.values[usize::from(index)] += weight * value;
+        match self.storage {
+            Storage::U8 => Reader { rows: self, bytes, weight, number: |[byte]: [u8; 1]| f32::from(byte) }.add_to(sum),
+            Storage::F16 => {
+                Reader { rows: self, bytes, weight, number: |bytes| half::f16::from_le_bytes(bytes).to_f32() }
+                    .add_to(sum);
+            }
+            Storage::F32 => Reader { rows: self, bytes, weight, number: f32::from_le_bytes }.add_to(sum),
+        }
+    }
+}
+
+/// A square of a face by its number among the `count` of its level (see `halfshade_sh::haar::transform`).
+#[derive(Debug, Clone, Copy)]
+struct Square {
+    number: usize,
+    count: usize,
+    level: usize,
+}
+
+impl Square {
+    const WHOLE: Self = Self { number: 0, count: 1, level: 0 };
+
+    /// Numbers of its coefficients.
+    #[inline(always)]
+    fn wavelets(self) -> impl Iterator<Item = usize> {
+        (1..4).map(move |way| self.number + way * self.count)
+    }
+
+    #[inline(always)]
+    fn quarters(self) -> impl Iterator<Item = Self> {
+        (0..4).map(move |quarter| Self {
+            number: self.number + quarter * self.count,
+            count: 4 * self.count,
+            level: self.level + 1,
+        })
+    }
+}
+
+/// Reads one row; `number` is a value as it is stored.
+struct Reader<'a, const BYTES: usize, N> {
+    rows: &'a Rows,
+    bytes: &'a [u8],
+    weight: f32,
+    number: N,
+}
+
+impl<const BYTES: usize, N: Fn([u8; BYTES]) -> f32> Reader<'_, BYTES, N> {
+    /// The next bytes; none are missing in a row.
+    #[inline(always)]
+    fn take<const COUNT: usize>(&mut self) -> [u8; COUNT] {
+        let Some((first, rest)) = self.bytes.split_first_chunk() else { return [0; COUNT] };
+        self.bytes = rest;
+        *first
+    }
+
+    /// Adds the next value, of a level's scale.
+    #[inline(always)]
+    fn add(&mut self, [least, step]: [f32; 2], value: &mut f32) {
+        let bytes = self.take();
+        *value += self.weight * (self.number)(bytes).mul_add(step, least);
+    }
+
+    #[inline(always)]
+    fn add_to(mut self, sum: &mut Sum) {
+        let [faces] = self.take();
+        sum.faces |= faces;
+        let (face_len, scale) = (self.rows.face_len, &self.rows.scale);
+        match self.rows.coding {
+            Coding::Listed => {
+                while !self.bytes.is_empty() {
+                    let index = u16::from_le_bytes(self.take());
+                    self.add(scale[level(face_len, index)], &mut sum.values[usize::from(index)]);
                 }
             }
-            Values::F16(values) => {
-                for (&index, &value) in indices.iter().zip(&values[range]) {
-                    sum.values[usize::from(index)] += weight * half::f16::from_bits(value).to_f32();
-                }
-            }
-            Values::F32(values) => {
-                for (&index, value) in indices.iter().zip(&values[range]) {
-                    sum.values[usize::from(index)] += weight * value;
+            Coding::Tree => {
+                for (face, values) in sum.values.chunks_exact_mut(face_len).enumerate() {
+                    if faces & (1 << face) != 0 {
+                        self.add_square(Square::WHOLE, values);
+                    }
                 }
             }
         }
-        let face_bits = self.face_len.ilog2();
-        sum.faces |= indices.iter().fold(0, |faces, index| faces | 1 << (u32::from(*index) >> face_bits));
+    }
+
+    fn add_square(&mut self, square: Square, face: &mut [f32]) {
+        let [present] = self.take();
+        if present & MEAN != 0 {
+            self.add(self.rows.scale[0], &mut face[0]);
+        }
+        if present & 0b111 != 0 {
+            let scale = self.rows.scale[square.level + 1];
+            for (bit, index) in square.wavelets().enumerate() {
+                if present & (1 << bit) != 0 {
+                    self.add(scale, &mut face[index]);
+                }
+            }
+        }
+        for (bit, quarter) in square.quarters().enumerate() {
+            if present & (1 << (3 + bit)) != 0 {
+                self.add_square(quarter, face);
+            }
+        }
     }
 }
 
@@ -150,20 +255,46 @@ mod tests {
             Sparse { indices: vec![0, 1, 5, 40, 95], values: vec![0.7, -0.2, 0.11, 0.03, -0.07] },
             Sparse::default(),
             Sparse { indices: vec![0, 17], values: vec![0.1, 0.4] },
+            Sparse { indices: (0..96).collect(), values: (0..96).map(|i| 0.01 * i as f32).collect() },
         ];
-        for (storage, bound) in [(Storage::F32, 0.0), (Storage::F16, 5e-4), (Storage::U8, 0.6 / 255.0)] {
-            let rows = Rows::store(cube, &vectors, storage);
-            for (number, vector) in vectors.iter().enumerate() {
-                let mut sum = Sum::new(cube);
-                rows.add(number, 0.5, &mut sum);
-                let mut expected = vec![0.0; cube.len()];
-                vector.add_to(&mut expected, 0.5);
-                assert!(sum.values.iter().zip(&expected).all(|(a, b)| (a - b).abs() <= bound), "{storage:?} {number}");
-                let touched = (0..6).filter(|face| sum.faces & (1 << face) != 0).count();
-                assert_eq!(touched, [3, 0, 2][number]);
-                sum.clear();
-                assert!(sum.values.iter().all(|value| *value == 0.0) && sum.faces == 0);
+        for coding in [Coding::Listed, Coding::Tree] {
+            for (storage, bound) in [(Storage::F32, 0.0), (Storage::F16, 5e-4), (Storage::U8, 0.6 / 255.0)] {
+                let rows = Rows::store(cube, &vectors, storage, coding);
+                for (number, vector) in vectors.iter().enumerate() {
+                    let mut sum = Sum::new(cube);
+                    rows.add(number, 0.5, &mut sum);
+                    let mut expected = vec![0.0; cube.len()];
+                    vector.add_to(&mut expected, 0.5);
+                    let is_near = |(a, b): (&f32, &f32)| (a - b).abs() <= bound;
+                    assert!(sum.values.iter().zip(&expected).all(is_near), "{coding:?} {storage:?} {number}");
+                    assert_eq!(sum.faces.count_ones(), [3, 0, 2, 6][number]);
+                    sum.clear();
+                    assert!(sum.values.iter().all(|value| *value == 0.0) && sum.faces == 0);
+                }
             }
         }
+    }
+
+    #[test]
+    fn one_texel_per_face_is_all_mean() {
+        let cube = Cube::new(0);
+        let vector = Sparse { indices: vec![1, 4], values: vec![0.25, 0.75] };
+        for coding in [Coding::Listed, Coding::Tree] {
+            let mut sum = Sum::new(cube);
+            Rows::store(cube, std::slice::from_ref(&vector), Storage::F32, coding).add(0, 1.0, &mut sum);
+            assert_eq!(sum.values, [0.0, 0.25, 0.0, 0.0, 0.75, 0.0]);
+        }
+    }
+
+    /// A square's byte instead of every coefficient's two.
+    #[test]
+    fn trees_take_less_where_wavelets_stand_together() {
+        let cube = Cube::new(5);
+        let square = 1024 + 3;
+        let indices: Vec<u16> = vec![1024, 1025, 1026, 1027, square + 4, square + 8, square + 12];
+        let vector = [Sparse { values: vec![0.5; indices.len()], indices }];
+        let [listed, tree] =
+            [Coding::Listed, Coding::Tree].map(|coding| Rows::store(cube, &vector, Storage::U8, coding).bytes.len());
+        assert_eq!((listed, tree), (1 + 7 * 3, 1 + 2 + 7));
     }
 }

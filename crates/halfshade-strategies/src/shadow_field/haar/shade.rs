@@ -3,8 +3,8 @@
 use super::{
     HaarFields, Product,
     light::Cap,
-    rows::Sum,
     sparse::{forward, inverse},
+    sum::Sum,
 };
 use crate::shadow_field::{
     arrangement::{Entity, LocalLight},

@@ -6,8 +6,9 @@ use super::{
         shells::{Grid, four_nearest},
     },
     projection::HaarBasis,
-    rows::{Rows, Sum},
+    rows::Rows,
     sparse::Sparse,
+    sum::Sum,
 };
 use serde::{Deserialize, Serialize};
 
@@ -23,7 +24,7 @@ impl Shell for HaarShell {
     type Sum = Sum;
 
     fn store(basis: &HaarBasis, grid: &Grid<Sparse>, storage: Storage) -> Self {
-        Self { resolution: grid.resolution, rows: Rows::store(basis.cube, &grid.samples, storage) }
+        Self { resolution: grid.resolution, rows: Rows::store(basis.cube, &grid.samples, storage, basis.coding) }
     }
 
     fn resolution(&self) -> usize {

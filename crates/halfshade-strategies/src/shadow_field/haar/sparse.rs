@@ -25,6 +25,11 @@ impl Sparse {
         Self { indices, values }
     }
 
+    /// On which faces there are any: bits.
+    pub(super) fn faces(&self, cube: Cube) -> u8 {
+        self.indices.iter().fold(0, |faces, &index| faces | 1 << (usize::from(index) / cube.face_len()))
+    }
+
     /// Adds `weight` times the vector to a dense one.
     pub(super) fn add_to(&self, dense: &mut [f32], weight: f32) {
         for (&index, value) in self.indices.iter().zip(&self.values) {

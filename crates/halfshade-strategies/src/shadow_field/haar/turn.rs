@@ -61,12 +61,12 @@ impl Turn {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{super::rows::Coding, *};
     use glam::{Mat3, Vec3};
 
     #[test]
     fn a_turned_function_is_looked_up() {
-        let basis = HaarBasis::new(32, 0.05);
+        let basis = HaarBasis::new(32, 0.05, Coding::Tree);
         let cube = basis.cube;
         let smooth = |direction: Vec3| 1.0 + direction.x + 0.5 * direction.y * direction.z;
         let object: Vec<f32> = basis.directions.iter().map(|&direction| smooth(direction)).collect();

@@ -1,0 +1,34 @@
+//! Where Haar vectors are added up.
+
+use super::sparse::Sparse;
+use halfshade_sh::haar::cube::Cube;
+
+/// A sum of vectors.
+#[derive(Debug)]
+pub(super) struct Sum {
+    pub(super) cube: Cube,
+    pub(super) values: Vec<f32>,
+    /// Faces on which something was added: bits.
+    pub(super) faces: u8,
+}
+
+impl Sum {
+    pub(super) fn new(cube: Cube) -> Self {
+        Self { cube, values: vec![0.0; cube.len()], faces: 0 }
+    }
+
+    /// Adds a vector.
+    pub(super) fn add(&mut self, vector: &Sparse) {
+        vector.add_to(&mut self.values, 1.0);
+        self.faces |= vector.faces(self.cube);
+    }
+
+    pub(super) fn clear(&mut self) {
+        for (face, values) in self.values.chunks_exact_mut(self.cube.face_len()).enumerate() {
+            if self.faces & (1 << face) != 0 {
+                values.fill(0.0);
+            }
+        }
+        self.faces = 0;
+    }
+}
