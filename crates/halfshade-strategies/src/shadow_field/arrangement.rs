@@ -1,6 +1,10 @@
 //! Where everything is in a frame: objects and lights in the space of the distant light, and who is near to whom.
 
-use super::{PART, basis::Ball, vertices::Vertices};
+use super::{
+    PART,
+    basis::Ball,
+    vertices::{Between, Vertices},
+};
 use glam::{DMat3, DQuat, DVec3, Mat3, Vec3};
 use halfshade_scene::{EyeLobes, Frame, Mesh, Receivers, Scene, SphereLight};
 use halfshade_strategy::StrategyError;
@@ -18,7 +22,6 @@ pub(super) enum Entity {
 }
 
 /// An object of the scene, as it stays.
-#[derive(Debug)]
 struct Body {
     vertices: Arc<Vertices>,
     ball: Ball,
@@ -48,7 +51,7 @@ pub(super) struct LocalLight {
 }
 
 /// The scene in a frame.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub(super) struct Arrangement {
     bodies: Vec<Body>,
     pub(super) places: Vec<Place>,
@@ -180,8 +183,8 @@ impl Arrangement {
     }
 
     /// The vertex of `object` at a receiver of number `index`, `local` from the middle of its ball in object space; if it
-    /// isn't there, the nearest one and `false`.
-    pub(super) fn vertex(&self, object: usize, index: u32, local: Vec3) -> Option<(usize, bool)> {
+    /// isn't there, the nearest place of the object's surface.
+    pub(super) fn vertex(&self, object: usize, index: u32, local: Vec3) -> Option<Between> {
         let body = &self.bodies[object];
         let guess = index.checked_sub(body.first_vertex).map(|vertex| vertex as usize);
         body.vertices.find(guess, local + body.ball.center, SAME_PLACE * body.ball.radius)

@@ -22,6 +22,8 @@ pub(super) struct Field<S> {
     /// Of the shells, from 0, in radii of the object.
     radii: Vec<f32>,
     shells: Vec<S>,
+    /// By distance from the centre in steps of the finest spacing, the next shell outward.
+    outer: Vec<u8>,
     /// How the shells lay that there were.
     pub(super) sampled: Shells,
 }
@@ -46,6 +48,11 @@ impl Shells {
     pub(super) fn radii(&self) -> Vec<f32> {
         let halved = (1..=self.inner).rev().map(|times| self.spacing * 0.5_f32.powi(times as i32));
         halved.chain((1..=self.count).map(|number| self.spacing * number as f32)).collect()
+    }
+
+    /// Distance of which all radii are multiples, in radii of the object.
+    fn step(&self) -> f32 {
+        self.spacing * 0.5_f32.powi(self.inner as i32)
     }
 
     /// How many there are.
@@ -133,8 +140,14 @@ impl<S: Shell> Field<S> {
             }
             None => (all(), shells.iter().map(|grid| S::store(basis, grid, storage)).collect()),
         };
-        let radii = kept.iter().map(|&number| radii[number]).collect();
-        Self { center: *center, radius: *radius, radii, shells, sampled: *sampling }
+        let radii: Vec<f32> = kept.iter().map(|&number| radii[number]).collect();
+        let steps = (radii[radii.len() - 1] / sampling.step()).round() as usize;
+        let next = |step: usize| {
+            let middle = (step as f32 + 0.5) * sampling.step();
+            radii.partition_point(|&radius| radius <= middle) as u8
+        };
+        let outer = (0..steps).map(next).collect();
+        Self { center: *center, radius: *radius, radii, shells, outer, sampled: *sampling }
     }
 
     /// Memory that it takes.
@@ -164,12 +177,13 @@ impl<S: Shell> Field<S> {
             self.shells[last].add(u, v, (outermost / distance).powi(2), sum);
             return;
         }
-        let outer = self.radii.partition_point(|&radius| radius <= distance).clamp(1, last);
+        // Looked up: a search would take as long as the interpolation.
+        let step = (distance / self.sampled.step()) as usize;
+        let outer = usize::from(self.outer[step.min(self.outer.len() - 1)]);
         let (from, to) = (self.radii[outer - 1], self.radii[outer]);
-        let share = (distance - from) / (to - from);
+        // Rounding may lead to the shell next to the right one, whose end is the same.
+        let share = ((distance - from) / (to - from)).clamp(0.0, 1.0);
         self.shells[outer - 1].add(u, v, 1.0 - share, sum);
-        if share > 0.0 {
-            self.shells[outer].add(u, v, share, sum);
-        }
+        self.shells[outer].add(u, v, share, sum);
     }
 }

@@ -19,11 +19,15 @@
 //!
 //! A glossy receiver has a U of its own for each lobe of its BRDF.
 //!
-//! **Limits.** Light and gloss are as sharp as bands or texels. Within the first
-//! shell, where the paper says nothing, three more keep flat objects flat (`inner`), and within those a receiver lies
-//! between shell and centre; past the last one, what is blocked shrinks with the solid angle.
-//! A receiver that is no vertex takes what the nearest vertex of its object hides from itself; with `own=projected`
-//! nothing, because there the normal is in it. Meshes that deform can't be modelled.
+//! **Beyond the paper.** Shells that neighbours tell go too (`sampling=adaptive-shells`). Three shells within the first, where
+//! the paper says nothing, keep flat objects flat (`inner`). Sample points within a solid are moved out of it (`inside`):
+//! nobody looks from there, but who is near its surface interpolates with them, and dark rings came of it. Wavelets are
+//! stored as trees (`coding`).
+//!
+//! **Limits.** Light and gloss are as sharp as bands or texels. Within the innermost shell a receiver lies between shell and
+//! centre; past the last one, what is blocked shrinks with the solid angle.
+//! A receiver between vertices interpolates what its object hides from them; with `own=projected` it takes nothing,
+//! because there the normal is in it. Meshes that deform can't be modelled.
 
 mod adaptive;
 mod arrangement;

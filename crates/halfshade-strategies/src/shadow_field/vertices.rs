@@ -6,9 +6,10 @@ use super::{
 };
 use crate::triangle_rays::TriangleRays;
 use glam::Vec3;
-use halfshade_scene::{Mesh, mesh};
+use halfshade_scene::Mesh;
+use parry3d::{query::PointQueryWithLocation, shape::TriMesh};
 use rayon::prelude::*;
-use std::{collections::HashMap, sync::Arc};
+use std::sync::Arc;
 
 /// How far rays start above the surface, in units of the traced space, of which the mesh fills 1024: 1e-5 of its extent.
 const LIFT: f32 = 1e-2;
@@ -54,20 +55,39 @@ pub(super) fn own_blocked<B: Basis>(basis: &B, of: (&Mesh, &OwnRays)) -> Vec<B::
     own_vectors(basis, of, |_, _, blocked| f32::from(u8::from(blocked())))
 }
 
-/// The vertices of a mesh.
-#[derive(Debug)]
+/// The vertices of a mesh, and what lies between them.
 pub(super) struct Vertices {
     mesh: Arc<Mesh>,
-    nearest: Cells,
+    /// `None` without a triangle.
+    surface: Option<TriMesh>,
     /// Means of the vertices of each part; at least one.
     pub(super) part_centers: Vec<Vec3>,
 }
 
-/// Vertices by cells of a grid, for points between them.
-#[derive(Debug, Default)]
-struct Cells {
-    size: f32,
-    vertices: HashMap<[i32; 3], Vec<u32>>,
+/// A point as a weighted mean of vertices.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Between {
+    pub(super) vertices: [usize; 3],
+    /// Of sum 1; the first alone at a vertex.
+    pub(super) weights: [f32; 3],
+}
+
+impl Between {
+    /// The vertex itself.
+    pub(super) const fn at(vertex: usize) -> Self {
+        Self { vertices: [vertex; 3], weights: [1.0, 0.0, 0.0] }
+    }
+
+    /// The vertex, if it is at one.
+    pub(super) fn vertex(&self) -> Option<usize> {
+        (self.weights[0] == 1.0).then_some(self.vertices[0])
+    }
+
+    /// Vertices that count.
+    #[inline]
+    pub(super) fn parts(&self) -> impl Iterator<Item = (usize, f32)> {
+        self.vertices.into_iter().zip(self.weights).filter(|(_, weight)| *weight != 0.0)
+    }
 }
 
 impl Vertices {
@@ -77,50 +97,60 @@ impl Vertices {
         if part_centers.is_empty() {
             part_centers.push(Vec3::ZERO);
         }
-        Self { mesh: mesh.clone(), nearest: Cells::new(&mesh.positions), part_centers }
+        let is_finite = |corners: &&[u32; 3]| corners.iter().all(|&corner| mesh.positions[corner as usize].is_finite());
+        let triangles: Vec<[u32; 3]> = mesh.triangles.iter().filter(is_finite).copied().collect();
+        let surface =
+            TriMesh::new(mesh.positions.iter().map(|point| point.to_array().into()).collect(), triangles).ok();
+        Self { mesh: mesh.clone(), surface, part_centers }
     }
 
     pub(super) fn mesh(&self) -> &Mesh {
         &self.mesh
     }
 
-    /// The vertex at `point`, if `guess` is within `tolerance` of it; otherwise the nearest, and `false`.
-    pub(super) fn find(&self, guess: Option<usize>, point: Vec3, tolerance: f32) -> Option<(usize, bool)> {
+    /// The vertex `guess`, if it is within `tolerance` of `point`; otherwise the nearest place of the surface.
+    pub(super) fn find(&self, guess: Option<usize>, point: Vec3, tolerance: f32) -> Option<Between> {
         let is_there = |vertex: &usize| {
             self.mesh.positions.get(*vertex).is_some_and(|place| place.distance_squared(point) <= tolerance * tolerance)
         };
-        let guess = guess.filter(is_there);
-        let vertex = guess.or_else(|| self.nearest.find(&self.mesh.positions, point))?;
-        Some((vertex, guess.is_some()))
+        guess.filter(is_there).map(Between::at).or_else(|| self.nearest(point))
+    }
+
+    fn nearest(&self, point: Vec3) -> Option<Between> {
+        let surface = self.surface.as_ref()?;
+        let (_, (triangle, location)) = surface.project_local_point_and_get_location(point.to_array().into(), false);
+        let vertices = surface.indices().get(triangle as usize)?.map(|vertex| vertex as usize);
+        // A triangle without extent has no such coordinates.
+        let weights = location.barycentric_coordinates().filter(|weights| weights.iter().all(|x| x.is_finite()));
+        Some(weights.map_or(Between::at(vertices[0]), |weights| Between { vertices, weights }))
     }
 }
 
-impl Cells {
-    fn new(positions: &[Vec3]) -> Self {
-        let (low, high) = mesh::bounds(positions).unwrap_or_default();
-        // A surface fills about as many cells as the square of the number along a side.
-        let size = (high - low).max_element() / (positions.len() as f32).sqrt().max(1.0);
-        let mut cells = Self { size: if size > 0.0 { size } else { 1.0 }, vertices: HashMap::new() };
-        for (vertex, &position) in positions.iter().enumerate() {
-            cells.vertices.entry(cells.cell(position)).or_default().push(vertex as u32);
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use halfshade_scene::builtin::shapes;
+
+    #[test]
+    fn the_nearest_place_of_the_surface_is_found() {
+        let vertices = Vertices::new(&Arc::new(shapes::plane(7)));
+        let positions = &vertices.mesh().positions;
+        assert_eq!(vertices.find(Some(20), positions[20], 1e-4), Some(Between::at(20)));
+        // Not there: from above some place of the square.
+        for (x, z) in [(0.31, -0.77), (-0.95, 0.02), (0.0, 0.5)] {
+            let between = vertices.find(Some(20), Vec3::new(x, 0.4, z), 1e-4).unwrap();
+            let found: Vec3 = between.parts().map(|(vertex, weight)| weight * positions[vertex]).sum();
+            assert!(found.distance(Vec3::new(x, 0.0, z)) < 1e-5, "{found} {between:?}");
         }
-        cells
-    }
-
-    fn cell(&self, point: Vec3) -> [i32; 3] {
-        (point / self.size).to_array().map(|x| x.floor() as i32)
-    }
-
-    /// The nearest vertex, if it is among the next cells; otherwise the nearest of all.
-    fn find(&self, positions: &[Vec3], point: Vec3) -> Option<usize> {
-        let [x, y, z] = self.cell(point);
-        let near = (-1..=1).flat_map(|i| (-1..=1).flat_map(move |j| (-1..=1).map(move |k| [i, j, k])));
-        let place = |[i, j, k]: [i32; 3]| [x.saturating_add(i), y.saturating_add(j), z.saturating_add(k)];
-        let distance = |vertex: &usize| positions[*vertex].distance_squared(point);
-        near.filter_map(|offset| self.vertices.get(&place(offset)))
-            .flatten()
-            .map(|&vertex| vertex as usize)
-            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
-            .or_else(|| (0..positions.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))))
+        assert!(vertices.find(None, Vec3::NAN, 1e-4).is_some());
+        assert_eq!(Vertices::new(&Arc::default()).find(Some(0), Vec3::ZERO, 1e-4), None);
+        let point = Mesh {
+            positions: vec![Vec3::ONE; 3],
+            normals: vec![Vec3::Y; 3],
+            triangles: vec![[0, 1, 2]],
+            ..Mesh::default()
+        };
+        let found = Vertices::new(&Arc::new(point)).find(None, Vec3::X, 1e-4).unwrap();
+        assert!((found.weights.iter().sum::<f32>() - 1.0).abs() < 1e-5);
     }
 }

@@ -70,8 +70,9 @@ impl Scratch {
             }
             self.set_unit(fields, normal, is_glossy);
             let local = arrangement.places[object].point_in_object(position);
-            if let Some((vertex, _)) = arrangement.vertex(object, receivers.index[i], local) {
-                fields.known[object].own.add(vertex, 1.0, &mut self.blocked);
+            if let Some(between) = arrangement.vertex(object, receivers.index[i], local) {
+                let own = &fields.known[object].own;
+                between.parts().for_each(|(vertex, weight)| own.add(vertex, weight, &mut self.blocked));
                 self.hide(fields, object);
             }
             let mut radiance = Vec3::ZERO;

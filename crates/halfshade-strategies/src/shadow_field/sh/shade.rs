@@ -137,9 +137,11 @@ fn own<const N: usize>(
     let points = arrangement.places[object].in_object(position).map(f32x8::to_array);
     for k in 0..LANES {
         let point = Vec3::from(points.map(|axis| axis[k]));
-        if let Some((vertex, is_there)) = arrangement.vertex(object, receivers.index[lane(k)], point) {
-            local.iter_mut().zip(&known.own[vertex * N..]).for_each(|(row, &value)| row[k] = value);
-            found[k] = f32::from(is_there);
+        if let Some(between) = arrangement.vertex(object, receivers.index[lane(k)], point) {
+            for (vertex, weight) in between.parts() {
+                local.iter_mut().zip(&known.own[vertex * N..]).for_each(|(row, &value)| row[k] += weight * value);
+            }
+            found[k] = f32::from(u8::from(between.vertex().is_some()));
         }
     }
     let vector = turned(&local.map(f32x8::from), &fields.rotations[object]);
@@ -152,25 +154,34 @@ fn own<const N: usize>(
 /// What an object leaves visible of eight places, in light space; `None` if it hides nothing.
 #[inline(never)]
 fn visible<const N: usize>(fields: &ShFields, object: usize, position: &[f32x8; 3]) -> Option<ShBatch<N>> {
-    let mut local = [[0.0_f32; LANES]; N];
+    let mut blocked = [[0.0; MOST]; LANES];
     let place = &fields.arrangement.places[object];
-    let mut set = |k: usize, blocked: &[f32]| local.iter_mut().zip(blocked).for_each(|(row, &value)| row[k] = value);
     let known = &fields.known[object];
     if let Some(field) = &known.field {
         let [distance, u, v] = place.on_shells(position);
-        for k in 0..LANES {
-            let mut blocked = [0.0; MOST];
-            field.add_at(distance[k], u[k], v[k], &mut blocked);
-            set(k, &blocked);
+        for (k, blocked) in blocked.iter_mut().enumerate() {
+            field.add_at(distance[k], u[k], v[k], blocked);
         }
     } else {
         let traced = known.traced.as_ref()?;
         let points = place.in_object(position).map(f32x8::to_array);
-        for k in 0..LANES {
-            set(k, &traced.blocked_from(&fields.basis, Vec3::from(points.map(|axis| axis[k]))));
+        for (k, blocked) in blocked.iter_mut().enumerate() {
+            let vector = traced.blocked_from(&fields.basis, Vec3::from(points.map(|axis| axis[k])));
+            blocked[..N].copy_from_slice(&vector);
         }
     }
-    Some(one_less(&turned(&local.map(f32x8::from), &fields.rotations[object])))
+    Some(one_less(&turned(&transposed(&blocked), &fields.rotations[object])))
+}
+
+/// Vectors of eight receivers, one after another, as coefficients.
+#[inline(always)]
+fn transposed<const N: usize>(vectors: &[[f32; MOST]; LANES]) -> ShBatch<N> {
+    let mut batch = [f32x8::ZERO; N];
+    for (block, rows) in batch.chunks_mut(LANES).enumerate() {
+        let eight = vectors.each_ref().map(|vector| f32x8::from(vector.as_chunks::<LANES>().0[block]));
+        rows.copy_from_slice(&f32x8::transpose(eight)[..rows.len()]);
+    }
+    batch
 }
 
 /// `1 - B`.

@@ -102,22 +102,17 @@ impl ShShell {
         sum: &mut [f32; MOST],
     ) {
         let weights = weights.map(f32x8::splat);
-        for first in (0..self.stride).step_by(8) {
-            let at = |corner: usize| f32x8::from(eight(values, places[corner] * self.stride + first, &value));
-            let mixed = at(0).mul_add(weights[0], at(1) * weights[1]);
-            let mixed = at(2).mul_add(weights[2], at(3).mul_add(weights[3], mixed));
-            let row = |list: &[f32]| f32x8::from(eight(list, first, |x| *x));
-            let found = mixed.mul_add(row(&self.step), row(&self.least));
-            let added = found.mul_add(f32x8::splat(share), row(&sum[..]));
-            sum[first..first + 8].copy_from_slice(added.as_array());
+        let [a, b, c, d] = places.map(|place| values[place * self.stride..][..self.stride].as_chunks::<8>().0);
+        let table = self.least.as_chunks::<8>().0.iter().zip(self.step.as_chunks::<8>().0);
+        let corners = a.iter().zip(b).zip(c.iter().zip(d));
+        let load = |eight: &[T; 8]| f32x8::from(eight.each_ref().map(&value));
+        for ((sum, (least, step)), ((a, b), (c, d))) in sum.as_chunks_mut::<8>().0.iter_mut().zip(table).zip(corners) {
+            let mixed = load(a).mul_add(weights[0], load(b) * weights[1]);
+            let mixed = load(c).mul_add(weights[2], load(d).mul_add(weights[3], mixed));
+            let found = mixed.mul_add(f32x8::from(*step), f32x8::from(*least));
+            *sum = found.mul_add(f32x8::splat(share), f32x8::from(*sum)).to_array();
         }
     }
-}
-
-#[inline(always)]
-fn eight<T>(list: &[T], first: usize, value: impl Fn(&T) -> f32) -> [f32; 8] {
-    let list = &list[first..first + 8];
-    std::array::from_fn(|k| value(&list[k]))
 }
 
 #[cfg(test)]
