@@ -14,7 +14,9 @@ fn shading(criterion: &mut Criterion) {
     let all = ReceiverBuffer::vertices(&frame);
     let mut group = criterion.benchmark_group("statues");
     // Wavelets take a hundred times as long.
-    for (settings, every) in [("map=8", 1), ("map=8,bands=6", 1), ("basis=haar,shells=8,resolution=16", 64)] {
+    for (settings, every) in
+        [("map=8,inside=blocked", 1), ("map=8,inside=blocked,bands=6", 1), ("basis=haar,shells=8,resolution=16", 64)]
+    {
         let receivers = ReceiverBuffer::gathered(all.view(), &(0..all.len() as u32).step_by(every).collect::<Vec<_>>());
         group.throughput(Throughput::Elements(receivers.len() as u64)).sample_size(10);
         group.bench_function(BenchmarkId::new("shade", settings), |bencher| {

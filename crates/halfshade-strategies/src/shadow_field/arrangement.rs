@@ -225,13 +225,13 @@ impl Place {
     /// Eight points of light space in the coordinates of shells: distance from the centre in radii of the object,
     /// longitude and latitude as shares of the whole.
     #[inline(always)]
-    pub(super) fn on_shells(&self, position: &[f32x8; 3]) -> [[f32; 8]; 3] {
+    pub(super) fn on_shells(&self, position: &[f32x8; 3]) -> [f32x8; 3] {
         let [x, y, z] = self.turned(position);
         let distance = (x * x + y * y + z * z).sqrt();
         let cosine = y / distance.fast_max(f32x8::splat(f32::MIN_POSITIVE));
         let polar = cosine.fast_max(-f32x8::ONE).fast_min(f32x8::ONE).acos();
         let v = polar * f32x8::splat(FRAC_1_PI);
         let u = z.atan2(x) * f32x8::splat(0.5 * FRAC_1_PI);
-        [distance * f32x8::splat(self.inverse_radius), u, v].map(f32x8::to_array)
+        [distance * f32x8::splat(self.inverse_radius), u, v]
     }
 }

@@ -90,8 +90,8 @@ pub(super) trait Shell: Sized + Send + Sync {
     /// Memory that it takes.
     fn bytes(&self) -> usize;
 
-    /// Adds `share` of the vector at a place, in shares of the whole in longitude and latitude.
-    fn add(&self, u: f32, v: f32, share: f32, sum: &mut Self::Sum);
+    /// Adds `share` of the weighted sum of four samples; weights are of sum 1.
+    fn add(&self, samples: [(usize, f32); 4], share: f32, sum: &mut Self::Sum);
 }
 
 /// The triangles of a mesh, in its own space.

@@ -12,6 +12,7 @@ use halfshade_scene::Mesh;
 use halfshade_strategy::{Detail, Footprint};
 use rayon::prelude::*;
 use std::{f32::consts::FRAC_1_PI, sync::Arc};
+use wide::f32x8;
 
 /// What is known of meshes, each once, with the number of the first object that has it.
 fn distinct<K>(known: &[Arc<K>]) -> impl Iterator<Item = (usize, &K)> {
@@ -27,12 +28,12 @@ pub(super) fn footprint<S: Shell, O>(known: &[Arc<Known<S, O>>], own_bytes: impl
     Footprint { parts: vec![("occlusion fields", fields), ("own occlusion", own)] }
 }
 
-/// Per mesh, named by its first object. `read` gives the vector at a distance in radii and a place.
+/// Per mesh, named by its first object. `read` gives the vector at a place in shell coordinates, the same in all lanes.
 pub(super) fn details<S: Shell, O>(
     basis: &S::Basis,
     arrangement: &Arrangement,
     known: &[Arc<Known<S, O>>],
-    read: impl Fn(&Field<S>, f32, [f32; 2]) -> VectorOf<S> + Sync,
+    read: impl Fn(&Field<S>, [f32x8; 3]) -> VectorOf<S> + Sync,
 ) -> Vec<Detail> {
     let mut details = Vec::new();
     for (number, one) in distinct(known) {
@@ -40,7 +41,7 @@ pub(super) fn details<S: Shell, O>(
         let (name, mesh) = arrangement.object(number);
         let mut add = |what: &str, values| details.push(Detail { name: format!("{name}: {what}"), values });
         add("resolution by shell", field.resolutions().into_iter().map(|x| x as f64).collect());
-        let errors = interpolation_errors(field, basis, mesh, |distance, place| read(field, distance, place));
+        let errors = interpolation_errors(field, basis, mesh, |place| read(field, place));
         add("mean interpolation error by shell", errors);
         add("field bytes", vec![field.bytes() as f64]);
     }
@@ -53,7 +54,7 @@ fn interpolation_errors<S: Shell>(
     field: &Field<S>,
     basis: &S::Basis,
     mesh: &Mesh,
-    read: impl Fn(f32, [f32; 2]) -> VectorOf<S> + Sync,
+    read: impl Fn([f32x8; 3]) -> VectorOf<S> + Sync,
 ) -> Vec<f64> {
     const POINTS: usize = 64;
     let rays = rays(mesh);
@@ -71,7 +72,12 @@ fn interpolation_errors<S: Shell>(
                 let place = [u, z.acos() * FRAC_1_PI];
                 let point = ball.center + radius * ball.radius * direction(place);
                 let outside = !solid.holds(point);
-                outside.then(|| basis.difference(&read(radius, place), &basis.blocked_from(&rays, point, ball)))
+                outside.then(|| {
+                    basis.difference(
+                        &read([radius, place[0], place[1]].map(f32x8::splat)),
+                        &basis.blocked_from(&rays, point, ball),
+                    )
+                })
             };
             let errors: Vec<f64> = (0..POINTS).filter_map(error).collect();
             errors.iter().sum::<f64>() / errors.len().max(1) as f64

@@ -3,7 +3,7 @@
 use super::{
     adaptive::{kept_shells, thinned},
     basis::{Ball, Basis, Shell, Storage, VectorOf},
-    shells::{Grid, direction, place},
+    shells::{Corners, Grid, direction, place},
     solid::Solid,
 };
 use crate::triangle_rays::TriangleRays;
@@ -11,6 +11,7 @@ use glam::{DVec3, Vec3};
 use halfshade_scene::{Mesh, Progress, clusters::bounding_sphere};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use wide::f32x8;
 
 /// What one object hides, around it.
 #[derive(Debug, Serialize, Deserialize)]
@@ -164,26 +165,34 @@ impl<S: Shell> Field<S> {
         self.sampled.radii().into_iter().map(resolution).collect()
     }
 
-    /// Adds what is blocked at a place in shell coordinates: distance from the centre in radii of the object, longitude
-    /// and latitude as shares of the whole.
+    /// Adds what is blocked at eight places in shell coordinates, of which as many count as there are sums: distance from
+    /// the centre in radii of the object, longitude and latitude as shares of the whole.
     ///
     /// Continuous: the centre is a shell of one point, and past the last shell what is blocked shrinks as the object's
     /// solid angle does.
     #[inline]
-    pub(super) fn add_at(&self, distance: f32, u: f32, v: f32, sum: &mut S::Sum) {
-        let last = self.radii.len() - 1;
-        let outermost = self.radii[last];
-        if distance >= outermost {
-            self.shells[last].add(u, v, (outermost / distance).powi(2), sum);
-            return;
-        }
+    pub(super) fn add_at(&self, [distance, u, v]: [f32x8; 3], sums: &mut [S::Sum]) {
+        let outermost = f32x8::splat(self.radii[self.radii.len() - 1]);
+        let beyond = distance.simd_ge(outermost);
         // Looked up: a search would take as long as the interpolation.
-        let step = (distance / self.sampled.step()) as usize;
-        let outer = usize::from(self.outer[step.min(self.outer.len() - 1)]);
-        let (from, to) = (self.radii[outer - 1], self.radii[outer]);
+        let steps = distance.fast_min(outermost) * f32x8::splat(self.sampled.step().recip());
+        let last = self.outer.len() - 1;
+        let outer = steps.fast_trunc_int().to_array().map(|step| usize::from(self.outer[(step as usize).min(last)]));
+        let radius = |inward: usize| f32x8::from(outer.map(|outer| self.radii[outer - inward]));
+        let (from, to) = (radius(1), radius(0));
         // Rounding may lead to the shell next to the right one, whose end is the same.
-        let share = ((distance - from) / (to - from)).clamp(0.0, 1.0);
-        self.shells[outer - 1].add(u, v, 1.0 - share, sum);
-        self.shells[outer].add(u, v, share, sum);
+        let share = ((distance - from) / (to - from)).fast_max(f32x8::ZERO).fast_min(f32x8::ONE);
+        let shrunk = outermost / distance;
+        let shares = [beyond.select(f32x8::ZERO, f32x8::ONE - share), beyond.select(shrunk * shrunk, share)];
+        for (inward, share) in [1, 0].into_iter().zip(shares) {
+            let shells = outer.map(|outer| &self.shells[outer - inward]);
+            let corners = Corners::new(f32x8::from(shells.map(|shell| shell.resolution() as f32)), u, v);
+            for (k, sum) in sums.iter_mut().enumerate() {
+                let share = share.as_array()[k];
+                if share > 0.0 {
+                    shells[k].add(corners.lane(k), share, sum);
+                }
+            }
+        }
     }
 }

@@ -4,6 +4,7 @@ use super::basis::Basis;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::f32::consts::{PI, TAU};
+use wide::{f32x8, i32x8};
 
 /// Vectors on a grid over longitude and latitude, row by row from the +Y pole.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -16,8 +17,8 @@ pub(super) struct Grid<V> {
 impl<V> Grid<V> {
     /// The interpolated vector.
     pub(super) fn at<B: Basis<Vector = V>>(&self, basis: &B, [u, v]: [f32; 2]) -> V {
-        let (places, weights) = four_nearest(self.resolution, u, v);
-        basis.mix(&std::array::from_fn::<_, 4, _>(|i| (&self.samples[places[i]], weights[i])))
+        let [resolution, u, v] = [self.resolution as f32, u, v].map(f32x8::splat);
+        basis.mix(&Corners::new(resolution, u, v).lane(0).map(|(place, weight)| (&self.samples[place], weight)))
     }
 }
 
@@ -33,27 +34,41 @@ pub(super) fn direction([u, v]: [f32; 2]) -> Vec3 {
     Vec3::new(sin_polar * cos, cos_polar, sin_polar * sin)
 }
 
-/// The four points of a grid around a place, and their weights, of sum 1: across the seam of longitudes as anywhere, and
-/// over a pole to the opposite longitude. The resolution is a power of two: no division, of which shading would do much.
-#[inline(always)]
-pub(super) fn four_nearest(resolution: usize, u: f32, v: f32) -> ([usize; 4], [f32; 4]) {
-    let size = resolution as f32;
-    let (x, y) = (u * size - 0.5, v * size - 0.5);
-    let (column, row) = (x.floor(), y.floor());
-    let (s, t) = (x - column, y - row);
-    let (column, row) = (column as i32, row as i32);
-    let sides = resolution as i32;
-    let at = |column: i32, row: i32| {
-        let (column, row) = if row < 0 || row >= sides {
-            // One point alone is its own opposite.
-            (column + sides / 2, row.clamp(0, sides - 1))
-        } else {
-            (column, row)
+/// Around each of eight places the four points of a grid, and their weights, of sum 1.
+#[derive(Debug)]
+pub(super) struct Corners {
+    places: [i32x8; 4],
+    weights: [f32x8; 4],
+}
+
+impl Corners {
+    /// Across the seam of longitudes as anywhere, and over a pole to the opposite longitude. The resolutions are powers of
+    /// two: no division.
+    #[inline(always)]
+    pub(super) fn new(resolution: f32x8, u: f32x8, v: f32x8) -> Self {
+        let half = f32x8::HALF;
+        let (x, y) = (u.mul_sub(resolution, half), v.mul_sub(resolution, half));
+        let (column, row) = (x.floor(), y.floor());
+        let (s, t) = (x - column, y - row);
+        let sides = resolution.fast_trunc_int();
+        let at = |column: f32x8, row: f32x8| {
+            let over = row.simd_lt(f32x8::ZERO) | row.simd_ge(resolution);
+            // One point alone is its own opposite: what is half a column too many is cut off.
+            let column = column + over.select(half * resolution, f32x8::ZERO);
+            let row = row.fast_min(resolution - f32x8::ONE).fast_max(f32x8::ZERO);
+            row.fast_trunc_int() * sides + (column.fast_trunc_int() & (sides - i32x8::ONE))
         };
-        (row * sides + (column & (sides - 1))) as usize
-    };
-    (
-        [at(column, row), at(column + 1, row), at(column, row + 1), at(column + 1, row + 1)],
-        [(1.0 - s) * (1.0 - t), s * (1.0 - t), (1.0 - s) * t, s * t],
-    )
+        let one = f32x8::ONE;
+        let (next_column, next_row) = (column + one, row + one);
+        Self {
+            places: [at(column, row), at(next_column, row), at(column, next_row), at(next_column, next_row)],
+            weights: [(one - s) * (one - t), s * (one - t), (one - s) * t, s * t],
+        }
+    }
+
+    /// Of one lane.
+    #[inline(always)]
+    pub(super) fn lane(&self, k: usize) -> [(usize, f32); 4] {
+        std::array::from_fn(|i| (self.places[i].as_array()[k] as usize, self.weights[i].as_array()[k]))
+    }
 }

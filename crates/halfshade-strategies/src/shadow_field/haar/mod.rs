@@ -102,9 +102,9 @@ impl Baked for HaarFields {
     }
 
     fn details(&self) -> Vec<Detail> {
-        let read = |field: &Field<HaarShell>, distance, [u, v]: [f32; 2]| {
+        let read = |field: &Field<HaarShell>, place| {
             let mut sum = Sum::new(self.basis.cube);
-            field.add_at(distance, u, v, &mut sum);
+            field.add_at(place, std::slice::from_mut(&mut sum));
             // All of it, as shading has it.
             Sparse::largest(&sum.values, self.basis.cube.len())
         };

@@ -84,8 +84,7 @@ impl Scratch {
                     Entity::Object(other) => {
                         let (known, place) = (&fields.known[other], &arrangement.places[other]);
                         if let Some(field) = &known.field {
-                            let [distance, u, v] = place.on_shells(&lanes).map(|x| x[0]);
-                            field.add_at(distance, u, v, &mut self.blocked);
+                            field.add_at(place.on_shells(&lanes), std::slice::from_mut(&mut self.blocked));
                         } else if let Some(traced) = &known.traced {
                             self.blocked.add(&traced.blocked_from(&fields.basis, place.point_in_object(position)));
                         }

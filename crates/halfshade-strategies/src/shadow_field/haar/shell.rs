@@ -3,7 +3,7 @@
 use super::{
     super::{
         basis::{Shell, Storage},
-        shells::{Grid, four_nearest},
+        shells::Grid,
     },
     projection::HaarBasis,
     rows::Rows,
@@ -35,10 +35,7 @@ impl Shell for HaarShell {
         self.rows.bytes()
     }
 
-    fn add(&self, u: f32, v: f32, share: f32, sum: &mut Sum) {
-        let (places, weights) = four_nearest(self.resolution, u, v);
-        for (place, weight) in places.into_iter().zip(weights) {
-            self.rows.add(place, share * weight, sum);
-        }
+    fn add(&self, samples: [(usize, f32); 4], share: f32, sum: &mut Sum) {
+        samples.into_iter().for_each(|(sample, weight)| self.rows.add(sample, share * weight, sum));
     }
 }

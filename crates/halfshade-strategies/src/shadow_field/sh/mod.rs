@@ -156,9 +156,9 @@ impl Baked for ShFields {
 
     fn details(&self) -> Vec<Detail> {
         let count = self.bands * self.bands;
-        details(&self.basis, &self.arrangement, &self.known, |field, distance, [u, v]| {
+        details(&self.basis, &self.arrangement, &self.known, |field, place| {
             let mut sum = [0.0; MOST];
-            field.add_at(distance, u, v, &mut sum);
+            field.add_at(place, std::slice::from_mut(&mut sum));
             sum[..count].to_vec()
         })
     }

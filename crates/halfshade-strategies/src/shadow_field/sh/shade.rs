@@ -158,10 +158,7 @@ fn visible<const N: usize>(fields: &ShFields, object: usize, position: &[f32x8; 
     let place = &fields.arrangement.places[object];
     let known = &fields.known[object];
     if let Some(field) = &known.field {
-        let [distance, u, v] = place.on_shells(position);
-        for (k, blocked) in blocked.iter_mut().enumerate() {
-            field.add_at(distance[k], u[k], v[k], blocked);
-        }
+        field.add_at(place.on_shells(position), &mut blocked);
     } else {
         let traced = known.traced.as_ref()?;
         let points = place.in_object(position).map(f32x8::to_array);

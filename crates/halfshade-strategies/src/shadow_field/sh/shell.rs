@@ -3,7 +3,7 @@
 use super::{
     super::{
         basis::{Shell, Storage},
-        shells::{Grid, four_nearest},
+        shells::Grid,
     },
     ShBasis,
 };
@@ -81,12 +81,11 @@ impl Shell for ShShell {
     }
 
     #[inline(always)]
-    fn add(&self, u: f32, v: f32, share: f32, sum: &mut [f32; MOST]) {
-        let (places, weights) = four_nearest(self.resolution, u, v);
+    fn add(&self, samples: [(usize, f32); 4], share: f32, sum: &mut [f32; MOST]) {
         match &self.values {
-            Values::U8(values) => self.blend(values, |x| f32::from(*x), (places, weights), share, sum),
-            Values::F16(values) => self.blend(values, |x| x.to_f32(), (places, weights), share, sum),
-            Values::F32(values) => self.blend(values, |x| *x, (places, weights), share, sum),
+            Values::U8(values) => self.blend(values, |x| f32::from(*x), samples, share, sum),
+            Values::F16(values) => self.blend(values, |x| x.to_f32(), samples, share, sum),
+            Values::F32(values) => self.blend(values, |x| *x, samples, share, sum),
         }
     }
 }
@@ -97,12 +96,13 @@ impl ShShell {
         &self,
         values: &[T],
         value: impl Fn(&T) -> f32,
-        (places, weights): ([usize; 4], [f32; 4]),
+        samples: [(usize, f32); 4],
         share: f32,
         sum: &mut [f32; MOST],
     ) {
-        let weights = weights.map(f32x8::splat);
-        let [a, b, c, d] = places.map(|place| values[place * self.stride..][..self.stride].as_chunks::<8>().0);
+        let row = |(sample, _): (usize, f32)| values[sample * self.stride..][..self.stride].as_chunks::<8>().0;
+        let (a, b, c, d) = (row(samples[0]), row(samples[1]), row(samples[2]), row(samples[3]));
+        let weights = samples.map(|(_, weight)| f32x8::splat(weight));
         let table = self.least.as_chunks::<8>().0.iter().zip(self.step.as_chunks::<8>().0);
         let corners = a.iter().zip(b).zip(c.iter().zip(d));
         let load = |eight: &[T; 8]| f32x8::from(eight.each_ref().map(&value));
@@ -146,7 +146,7 @@ mod tests {
         let distance = offset.length();
         let mut found = [0.0; MOST];
         let (u, v) = (offset.z.atan2(offset.x) / TAU, (offset.y / distance).acos() / PI);
-        field.add_at(distance / field.radius, u, v, &mut found);
+        field.add_at([distance / field.radius, u, v].map(f32x8::splat), std::slice::from_mut(&mut found));
         found
     }
 
@@ -254,7 +254,7 @@ mod tests {
         }
         for (distance, u, v) in [(0.0, 0.0, 0.0), (1e9, 0.5, 1.0), (f32::MAX, -0.5, 0.5), (3.0, 0.5, 0.0)] {
             let mut found = [0.0; MOST];
-            field.add_at(distance, u, v, &mut found);
+            field.add_at([distance, u, v].map(f32x8::splat), std::slice::from_mut(&mut found));
             assert!(found.iter().all(|x| x.is_finite()) && (0.0..4.0).contains(&found[0]), "{distance}: {found:?}");
         }
     }
