@@ -64,23 +64,20 @@ pub(super) struct Vertices {
     pub(super) part_centers: Vec<Vec3>,
 }
 
-/// A point as a weighted mean of vertices.
+/// A point, or the place of the surface next to it, as a weighted mean of vertices.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Between {
-    pub(super) vertices: [usize; 3],
-    /// Of sum 1; the first alone at a vertex.
-    pub(super) weights: [f32; 3],
+    vertices: [usize; 3],
+    /// Of sum 1.
+    weights: [f32; 3],
+    /// Whether the point is the first vertex. A point off the surface may only have that one next to it.
+    pub(super) is_vertex: bool,
 }
 
 impl Between {
     /// The vertex itself.
     pub(super) const fn at(vertex: usize) -> Self {
-        Self { vertices: [vertex; 3], weights: [1.0, 0.0, 0.0] }
-    }
-
-    /// The vertex, if it is at one.
-    pub(super) fn vertex(&self) -> Option<usize> {
-        (self.weights[0] == 1.0).then_some(self.vertices[0])
+        Self { vertices: [vertex; 3], weights: [1.0, 0.0, 0.0], is_vertex: true }
     }
 
     /// Vertices that count.
@@ -122,7 +119,7 @@ impl Vertices {
         let vertices = surface.indices().get(triangle as usize)?.map(|vertex| vertex as usize);
         // A triangle without extent has no such coordinates.
         let weights = location.barycentric_coordinates().filter(|weights| weights.iter().all(|x| x.is_finite()));
-        Some(weights.map_or(Between::at(vertices[0]), |weights| Between { vertices, weights }))
+        Some(Between { vertices, weights: weights.unwrap_or([1.0, 0.0, 0.0]), is_vertex: false })
     }
 }
 
@@ -142,6 +139,10 @@ mod tests {
             let found: Vec3 = between.parts().map(|(vertex, weight)| weight * positions[vertex]).sum();
             assert!(found.distance(Vec3::new(x, 0.0, z)) < 1e-5, "{found} {between:?}");
         }
+        // Above a corner the vertex is next, but the point isn't it: its normal needn't be the vertex's.
+        let above = vertices.find(None, positions[0] + Vec3::Y, 1e-4).unwrap();
+        assert!(!above.is_vertex);
+        assert!(above.parts().all(|(vertex, _)| vertex == 0), "{above:?}");
         assert!(vertices.find(None, Vec3::NAN, 1e-4).is_some());
         assert_eq!(Vertices::new(&Arc::default()).find(Some(0), Vec3::ZERO, 1e-4), None);
         let point = Mesh {

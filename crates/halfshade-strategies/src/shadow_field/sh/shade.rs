@@ -141,7 +141,7 @@ fn own<const N: usize>(
             for (vertex, weight) in between.parts() {
                 local.iter_mut().zip(&known.own[vertex * N..]).for_each(|(row, &value)| row[k] += weight * value);
             }
-            found[k] = f32::from(u8::from(between.vertex().is_some()));
+            found[k] = f32::from(u8::from(between.is_vertex));
         }
     }
     let vector = turned(&local.map(f32x8::from), &fields.rotations[object]);
