@@ -266,8 +266,7 @@ fn products_of_lobes_are_within_three_percent_of_sampling_the_same_sums() {
         let (scene, receivers) = built_in(name, step);
         for (settings, bound) in [("", 0.002), (PUBLISHED, 0.03), ("order=published", 0.03)] {
             let products = shaded(&scene, settings, &receivers);
-            let sampled =
-                shaded(&scene, &format!("{settings},integration=sampled").trim_start_matches(','), &receivers);
+            let sampled = shaded(&scene, format!("{settings},integration=sampled").trim_start_matches(','), &receivers);
             let mean = sampled.iter().sum::<f64>() / sampled.len() as f64;
             let off: f64 =
                 products.iter().zip(&sampled).map(|(a, b)| (a - b).abs()).sum::<f64>() / sampled.len() as f64;

@@ -8,8 +8,8 @@
 //! The scenes `statues`, `bowling` and `falling` are after [Tamura2006, 6]: as many objects and vertices, moved about by
 //! hand or by a rigid-body simulation, the first two lit by moving lamps besides the environment.
 //!
-//! The scenes `glossy-sphere`, `five-blockers`, `rising-squirrel` and `two-squirrels` are after [Meunier2009, 6]: as many
-//! shaded points and spheres, one spherical light and no environment.
+//! The scenes `glossy-sphere`, `five-blockers`, `rising-squirrel` and `two-squirrels` are after [Meunier2009, 6]: one
+//! spherical light, no environment, and where the paper counts them as many shaded points and spheres.
 //!
 //! - `vases`: soft coloured panels in a dim room ([`studio`]), the easy case and the nearest to the probe's character:
 //!   the error that is left comes from visibility;

@@ -69,7 +69,7 @@ pub(super) fn scene() -> Scene {
     Scene {
         lights: vec![(light, Motion::Still(Pose::IDENTITY))],
         camera: Camera {
-            eye: Vec3::new(0.0, 1.9, 2.6),
+            eye: Vec3::new(0.0, 1.9, 2.95),
             target: Vec3::new(0.0, 0.75, -0.2),
             vertical_fov_degrees: 42.0,
             resolution: [800, 600],

@@ -11,7 +11,7 @@
 //! product varies over the sharpest lobe. The same for every lobe, so a receiver gets the same bits whoever its neighbours are.
 
 use super::lobes::CellLobes;
-use halfshade_sh::lobe::{Lobe, Lobe8, MAX_EXPONENT};
+use halfshade_sh::lobe::{Lobe, Lobe8};
 use std::f64::consts::TAU;
 
 /// Fraction of a turn from one direction of the spiral to the next.
@@ -54,7 +54,8 @@ impl Sampler {
         }
         let others = || lobes.iter().enumerate().filter(|(i, _)| *i != sharpest).map(|(_, other)| other);
         let [t, b, a] = frame_about(lobe.axis);
-        let power = 1.0 / (lobe.exponent.max(0.0).min(MAX_EXPONENT) + 1.0);
+        // 1/(e+1), e within its bounds.
+        let power = all / (TAU * lobe.scale);
         let value = |point: &Point| {
             let cosine = (power * point.ln_share).exp();
             // 1 - cos² without the digits that it would lose near 1.
