@@ -252,6 +252,26 @@ fn an_output_that_cannot_be_written_ends_with_2_and_leaves_nothing() {
 }
 
 #[test]
+fn strategies_are_compared_with_each_other_where_an_experiment_asks_for_it() {
+    let here = folder();
+    let pair = |second: &str| {
+        SMALL.replace("[truth]", &format!("compare = [[\"ray-traced:samples=4\", {second:?}]]\n[truth]"))
+    };
+    write(here.path(), "small.toml", &pair("ray-traced:samples=1"));
+    stdout(halfshade(here.path()).args(["run", "small.toml"]));
+    let json: Value = serde_json::from_slice(&fs::read(here.path().join("out/small/results.json")).unwrap()).unwrap();
+    let [difference] = &json["differences"].as_array().unwrap()[..] else { panic!("one pair") };
+    assert_eq!(difference["first"], "ray-traced:samples=4");
+    let mae = difference["mae"].as_f64().unwrap();
+    assert!(mae > 0.0 && mae < difference["mean"].as_f64().unwrap(), "{difference}");
+    let report = stdout(halfshade(here.path()).args(["report", "out/small"]));
+    assert!(report.contains("| ray-traced:samples=4 | ray-traced:samples=1 |"), "{report}");
+    write(here.path(), "small.toml", &pair("ray-traced:samples=2"));
+    let error = refused(halfshade(here.path()).args(["run", "small.toml"]));
+    assert!(error.contains("small.toml:5") && error.contains("not among the strategies"), "{error}");
+}
+
+#[test]
 fn damaged_results_are_refused_by_name() {
     let here = folder();
     write(here.path(), "results.json", "{\"schema\": \"halfshade.results/1\", \"runs\": [");

@@ -7,6 +7,7 @@
 //! receivers = ["vertices"]           # and/or "pixels"; default vertices
 //! references = ["mesh", "spheres", "bands"]   # default ["mesh"]; see `ReferenceKind`
 //! details = true                     # also what only one strategy tells, such as the resolution it chose; default false
+//! compare = [["A", "B"]]             # pairs of SPECs that are compared with each other too; default none
 //!
 //! [truth]
 //! samples = 1024                     # per receiver; or relative_noise = 0.002 (of the unshadowed mean)
@@ -70,6 +71,9 @@ pub struct Experiment {
     /// Whether strategies are asked for figures that only they have.
     #[serde(default)]
     pub details: bool,
+    /// Pairs of SPECs that are compared with each other.
+    #[serde(default)]
+    pub compare: Vec<[Spanned<String>; 2]>,
     /// How exact the truth is.
     pub truth: TruthSettings,
     /// How time is measured, if it is.

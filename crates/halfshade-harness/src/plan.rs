@@ -54,6 +54,8 @@ pub struct Plan {
     pub variants: Vec<Variant>,
     /// Whether strategies are asked for figures that only they have.
     pub details: bool,
+    /// Places in `variants` of pairs that are compared with each other.
+    pub pairs: Vec<[usize; 2]>,
     /// How exact the truth is.
     pub accuracy: Accuracy,
     /// How time is measured, if it is.
@@ -73,7 +75,8 @@ impl Plan {
         let place_of = |spec: &Spanned<String>| {
             let error = |problem| experiment.error_at(spec.span().start, problem);
             let key = Variant::parse(strategies, spec.get_ref()).map_err(error)?.key();
-            let unknown = || error(format!("`{}` is pictured but not among the strategies", spec.get_ref()));
+            let unknown =
+                || error(format!("`{}` is pictured or compared but not among the strategies", spec.get_ref()));
             variants.iter().position(|variant| variant.key() == key).ok_or_else(unknown)
         };
         let settings = experiment.pictures.as_ref();
@@ -88,6 +91,8 @@ impl Plan {
             Some([a, b]) => Some([place_of(a)?, place_of(b)?]),
             None => None,
         };
+        let pairs = experiment.compare.iter().map(|[a, b]| Ok([place_of(a)?, place_of(b)?]));
+        let pairs = pairs.collect::<Result<_, HarnessError>>()?;
         let folder = experiment.path.parent().unwrap_or(std::path::Path::new("."));
         let mut scenes: Vec<(Scene, Vec<usize>)> = Vec::new();
         for entry in &experiment.scenes {
@@ -156,6 +161,7 @@ impl Plan {
             receivers: experiment.receivers.clone(),
             references,
             details: experiment.details,
+            pairs,
             variants,
             accuracy,
             timing,

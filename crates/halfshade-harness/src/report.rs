@@ -29,7 +29,9 @@ pub fn tables(results: &Results) -> Vec<Table> {
         .flat_map(|(scene, frame, receivers)| {
             let first = table::scene_table(results, scene, *frame, receivers);
             let split = table::error_split(results, scene, *frame, receivers);
-            std::iter::once(first).chain(split).chain(table::details(results, scene, *frame, receivers))
+            let differences = table::differences(results, scene, *frame, receivers);
+            let details = table::details(results, scene, *frame, receivers);
+            std::iter::once(first).chain(split).chain(differences).chain(details)
         })
         .collect()
 }
@@ -77,6 +79,9 @@ pub fn report(results: &Results, format: Format) -> String {
                 if let Some(split) = table::error_split(results, &scene, frame, &receivers) {
                     page += &format!("\n{}", split.write(format, &provenance));
                 }
+                if let Some(differences) = table::differences(results, &scene, frame, &receivers) {
+                    page += &format!("\n{}", differences.write(format, &provenance));
+                }
                 if let Some(details) = table::details(results, &scene, frame, &receivers) {
                     page += &format!("\n{}", details.write(format, &provenance));
                 }
@@ -101,6 +106,9 @@ pub fn report(results: &Results, format: Format) -> String {
                 }
                 if let Some(split) = table::error_split(results, &scene, frame, &receivers) {
                     page += &split.write(format, &provenance);
+                }
+                if let Some(differences) = table::differences(results, &scene, frame, &receivers) {
+                    page += &differences.write(format, &provenance);
                 }
                 if let Some(details) = table::details(results, &scene, frame, &receivers) {
                     page += &details.write(format, &provenance);

@@ -32,6 +32,9 @@ pub struct Results {
     pub scenes: Vec<SceneFacts>,
     /// One entry per scene, frame, kind of receivers, reference and strategy.
     pub runs: Vec<Run>,
+    /// Strategies beside each other, if the experiment asks for it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub differences: Vec<Difference>,
     /// The pictures, with paths relative to the results.
     pub pictures: Vec<PictureFiles>,
 }
@@ -117,6 +120,29 @@ pub struct Detail {
     pub name: String,
     /// The figures, in an order that the name tells.
     pub values: Vec<f64>,
+}
+
+/// How far one strategy is from another on one frame of one scene.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Difference {
+    /// Scene name.
+    pub scene: String,
+    /// Frame number.
+    pub frame: usize,
+    /// `vertices` or `pixels`.
+    pub receivers: String,
+    /// Label of the one.
+    pub first: String,
+    /// Label of the other.
+    pub second: String,
+    /// Mean radiance of the second.
+    pub mean: f64,
+    /// Mean of the first minus that of the second.
+    pub bias: f64,
+    /// Mean absolute difference.
+    pub mae: f64,
+    /// Largest absolute difference.
+    pub max: f64,
 }
 
 /// How far off a run is.
@@ -321,6 +347,17 @@ pub(crate) mod tests {
                 }],
             }],
             runs: vec![run("fast", "fast:bands=4", 0.1, 2.0), run("exact", "exact", 0.01, 50.0), blind],
+            differences: vec![Difference {
+                scene: "vases".into(),
+                frame: 0,
+                receivers: "vertices".into(),
+                first: "exact".into(),
+                second: "fast:bands=4".into(),
+                mean: 0.25,
+                bias: -0.01,
+                mae: 0.02,
+                max: 0.125,
+            }],
             pictures: Vec::new(),
         }
     }
@@ -330,6 +367,12 @@ pub(crate) mod tests {
         let results = example();
         let text = results.to_json().unwrap();
         assert_eq!(serde_json::from_str::<Results>(&text).unwrap(), results);
+        // Files from before there were differences, and those of experiments without.
+        let none = Results { differences: Vec::new(), ..results };
+        let text = none.to_json().unwrap();
+        assert!(!text.contains("differences"));
+        assert_eq!(serde_json::from_str::<Results>(&text).unwrap(), none);
+        let text = example().to_json().unwrap();
         let json: serde_json::Value = serde_json::from_str(&text).unwrap();
         let run = &json["runs"][0];
         let has = |value: &serde_json::Value, keys: &[&str]| {

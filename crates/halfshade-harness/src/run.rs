@@ -7,14 +7,15 @@ use crate::{
     image_metrics::Similarity,
     journal::{Entry, Header, Journal},
     machine,
-    metrics::{Metrics, Reference, compare},
+    metrics::{Metrics, Reference, compare, mean},
     output::{prepare_folder, write_atomically},
     picture_colors::signed_error,
     plan::Plan,
     projection::Projection,
     reference::{BandLimit, ReferenceTracer},
     results::{
-        Detail, ErrorFigures, Memory, PictureFiles, Run, SCHEMA, Sample, SceneFacts, Status, TimeFigures, TruthFigures,
+        Detail, Difference, ErrorFigures, Memory, PictureFiles, Run, SCHEMA, Sample, SceneFacts, Status, TimeFigures,
+        TruthFigures,
     },
     shading::{count_not_finite, shade_all},
 };
@@ -84,6 +85,7 @@ pub fn run(experiment: &Experiment, tools: &Tools<'_>, options: &RunOptions) -> 
         strategies: tools.strategies.iter().map(|strategy| strategy.info().name.to_owned()).collect(),
         scenes: Vec::new(),
         runs: Vec::new(),
+        differences: Vec::new(),
         pictures: Vec::new(),
     };
     let header = Header {
@@ -286,11 +288,9 @@ impl Session<'_> {
             && !self.known.pictured.contains_key(&difference)
         {
             let [a, b] = pair.map(|place| &self.plan.variants[place]);
-            let picture = |variant: &Variant| {
-                let (_, _, radiance) = self.score(&frame, receivers.view(), variant, blank(variant), &references);
-                radiance.map(|radiance| projection.picture(&radiance, Vec3::ZERO))
-            };
-            if let (Some(first), Some(second)) = (picture(a), picture(b)) {
+            let picture = |radiance: Option<RadianceBuffer>| radiance.map(|it| projection.picture(&it, Vec3::ZERO));
+            let shaded = |variant| self.score(&frame, receivers.view(), variant, blank(variant), &references).2;
+            if let (Some(first), Some(second)) = (picture(shaded(a)), picture(shaded(b))) {
                 let label = format!("{DIFFERENCE_FACTOR} times the difference: {} and {}", a.label, b.label);
                 let picture = first.magnified_difference(&second, DIFFERENCE_FACTOR);
                 let files = self.write_pictures(scene, index, &label, &picture, None, exposure)?;
@@ -298,6 +298,12 @@ impl Session<'_> {
                 self.append(Entry::Pictured { key: Some(difference.clone()), files: files.clone(), similarity })?;
                 self.known.pictured.insert(difference.clone(), (files, similarity));
             }
+        }
+
+        for [a, b] in self.plan.pairs.iter().map(|pair| pair.map(|place| &self.plan.variants[place])) {
+            let shaded = |variant| self.score(&frame, receivers.view(), variant, blank(variant), &references).2;
+            let (Some(first), Some(second)) = (shaded(a), shaded(b)) else { continue };
+            results.differences.extend(difference_between(first, second, blank(a), blank(b)));
         }
 
         results.pictures.extend(
@@ -561,6 +567,16 @@ fn figures(kind: ReferenceKind, scene: &Scene, metrics: Metrics) -> ErrorFigures
     ErrorFigures { reference: kind.to_string(), transport, metrics, similarity: Similarity::default() }
 }
 
+/// `None` if there is nothing to compare.
+fn difference_between(first: RadianceBuffer, second: RadianceBuffer, a: Run, b: Run) -> Option<Difference> {
+    let mean = mean(&second);
+    let exact = RadianceBuffer::zeros(second.len());
+    let reference = Reference { radiance: second, standard_error: exact, unshadowed_mean: mean };
+    let Metrics { bias, mae, max, .. } = compare(&first, &reference)?;
+    let Run { scene, frame, receivers, label: first, .. } = a;
+    Some(Difference { scene, frame, receivers, first, second: b.label, mean, bias, mae, max })
+}
+
 fn truth_figures(reference: &Reference, samples: usize, mesh: &Reference) -> TruthFigures {
     TruthFigures {
         samples: samples as u64,
@@ -613,6 +629,16 @@ mod tests {
         assert_eq!(sample, Sample { prepare_secs: 0.002, shade_secs: 0.005 });
         let figures = TimeFigures::of(1.0, 2, vec![sample; 3]);
         assert!((figures.frames_per_sec.unwrap() - 1.0 / 0.007).abs() < 1e-9);
+    }
+
+    #[test]
+    fn two_strategies_differ_by_what_lies_between_them() {
+        let blank = |label: &str| Run { label: label.into(), ..crate::results::tests::example().runs[0].clone() };
+        let buffer = |values: [f32; 2]| RadianceBuffer { channels: std::array::from_fn(|_| values.to_vec()) };
+        let found = difference_between(buffer([1.0, 3.0]), buffer([2.0, 2.5]), blank("a"), blank("b")).unwrap();
+        assert_eq!((found.first.as_str(), found.second.as_str(), found.scene.as_str()), ("a", "b", "vases"));
+        assert_eq!((found.mean, found.bias, found.mae, found.max), (2.25, -0.25, 0.75, 1.0));
+        assert!(difference_between(buffer([1.0, 3.0]), RadianceBuffer::zeros(0), blank("a"), blank("b")).is_none());
     }
 
     #[test]

@@ -79,6 +79,7 @@ contract_tests!(
 const LOBES: Bounds = Bounds { constant: 1e-5, quadrature: 0.05, gloss: 0.05, rotation: 0.02, brightening: 0.01 };
 
 contract_tests!(cosine_lobe, CosineLobe, "", LOBES);
+contract_tests!(cosine_lobe_sampled, CosineLobe, "integration=sampled,samples=256", LOBES);
 contract_tests!(cosine_lobe_shallow, CosineLobe, "depth=3,threshold=0", Bounds { rotation: 0.1, ..LOBES });
 contract_tests!(
     cosine_lobe_covering,

@@ -2,12 +2,14 @@
 
 mod csv_format;
 mod details;
+mod differences;
 pub(crate) mod html;
 mod latex;
 mod markdown;
 mod views;
 
 pub use details::details;
+pub use differences::differences;
 pub use views::{error_split, results_csv, scene_table};
 pub(crate) use views::{groups, runs_of};
 

@@ -78,7 +78,7 @@ pub(super) fn scene() -> Scene {
         },
         Object {
             name: "squirrel".into(),
-            mesh: Arc::new(polygonize(&squirrel(), CELL)),
+            mesh: Arc::new(squirrel_mesh()),
             material: Material::default(),
             sphere_count: 10,
             spheres: None,
@@ -157,8 +157,13 @@ fn ball_mesh(ball: &Ball) -> Mesh {
     mesh
 }
 
+/// The squirrel as fine as it needs to be: coarser, its fur folds over.
+pub(super) fn squirrel_mesh() -> Mesh {
+    polygonize(&squirrel(), CELL)
+}
+
 /// A red squirrel that sits with a nut in its hands, looks along +X and rests on y = 0.
-pub(super) fn squirrel() -> Body {
+fn squirrel() -> Body {
     let red = Vec3::new(0.52, 0.20, 0.07);
     let dark_red = Vec3::new(0.38, 0.12, 0.04);
     let cream = Vec3::new(0.85, 0.74, 0.56);

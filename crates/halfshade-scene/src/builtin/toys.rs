@@ -158,9 +158,9 @@ pub(super) fn duck() -> Toy {
     })
 }
 
-/// The squirrel of its own scene, as fine: coarser, its fur folds over.
+/// The squirrel of its own scene.
 pub(super) fn squirrel() -> Toy {
-    Toy::in_parts(polygonize(&squirrel_and_balls::squirrel(), 0.0256), |p| match p {
+    Toy::in_parts(squirrel_and_balls::squirrel_mesh(), |p| match p {
         _ if p.x < -0.30 => 4 + (p.y / 0.28) as usize,
         _ if p.y > 1.06 => 1 + usize::from(p.z > 0.0),
         _ if p.y > 0.74 => 3,

@@ -3,7 +3,7 @@
 use super::square::{LitCell, Square};
 use halfshade_sh::{
     kernel::CapBatch,
-    lobe::{CapTable, Lobe8, LobeTable},
+    lobe::{CapTable, Lobe, Lobe8, LobeTable, MAX_EXPONENT},
 };
 use std::f32::consts::{FRAC_PI_2, SQRT_2, TAU};
 use wide::f32x8;
@@ -11,7 +11,8 @@ use wide::f32x8;
 /// Which lobe stands for a cell.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Shape<'a> {
-    /// `max(a·v, 0)^e` about the middle of the cell's light with its solid angle: `e = 2π/Ω - 1`.
+    /// `max(a·v, 0)^e` about the middle of the cell's light with its solid angle: `e = 2π/Ω - 1`, and where that is beyond the
+    /// largest exponent, as faint as it is too wide.
     Part,
     /// That of a cap of its solid angle.
     SolidAngle(&'a CapTable),
@@ -63,11 +64,14 @@ impl CellLobes {
         let [x, y, size, weight] = [self.x, self.y, self.size, self.weight].map(f32x8::from);
         let direction = square.directions(x, y);
         let stretch = square.stretch(x, y);
-        let solid_angle = || (stretch * stretch * size).fast_max(f32x8::splat(1e-12));
+        let solid_angle = || (stretch * stretch * size).fast_max(f32x8::splat(1e-20));
         let lobe = match shape {
             Shape::Part => {
-                let exponent = f32x8::splat(TAU) / solid_angle() - f32x8::ONE;
-                Lobe8 { axis: direction, exponent: exponent.fast_max(f32x8::ZERO), scale: weight }
+                let solid_angle = solid_angle();
+                let exponent = f32x8::splat(TAU) / solid_angle - f32x8::ONE;
+                let exponent = exponent.fast_max(f32x8::ZERO).fast_min(f32x8::splat(MAX_EXPONENT as f32));
+                let scale = (exponent + f32x8::ONE) * solid_angle * f32x8::splat(TAU.recip());
+                Lobe8 { axis: direction, exponent, scale: weight * scale.fast_min(f32x8::ONE) }
             }
             Shape::SolidAngle(caps) => {
                 let versine = solid_angle() * f32x8::splat(TAU.recip());
@@ -83,6 +87,11 @@ impl CellLobes {
             }
         };
         self.lobes.push(lobe);
+    }
+
+    /// One by one.
+    pub(super) fn each(&self) -> impl Iterator<Item = Lobe> {
+        self.lobes.iter().flat_map(|lobes| (0..8).map(|lane| lobes.lane(lane)))
     }
 
     /// `Σ ∫ factor·lobe` over all cells. Groups of eight whose every product is below `limit` are left out; adds to the

@@ -41,11 +41,20 @@
 //! fitted weights make up for what is ignored. It is the fraction that makes the default near to exact, not the order. The
 //! published rows with fitted weights were measured with weights fitted over more discs than `weights.rs` has now.
 //!
+//! Penumbras of one blocker, from a tenth to nine tenths of the light, are within 1 % as wide as the truth's for lights of radius
+//! 0.001 to 0.8 at a distance of 3, as published within 10 %. Where many small spheres hide a light together, less than 0.001
+//! of it leaks through; with partly covered leaves ignored up to 0.15.
+//!
 //! On `glossy-sphere`, whose highlights are as sharp as the light, a single lobe for the light errs by 0.4 to 0.6 of the
 //! mean, its parts by 0.04.
 //!
 //! **Threshold** [Meunier2009, 4.3]. A group of eight products is left out if none of them can reach `threshold` times the
 //! unblocked radiance; each left out changes radiance by less than that. A diffuse lobe isn't tested in the default order.
+//!
+//! **Integration.** `integration=sampled` integrates the same sums of lobes by quadrature (`sampled.rs`), for comparison only:
+//! on `five-blockers` and `glossy-sphere` products differ from it by less than 0.2 % of the mean by default, by less than 3 % as
+//! published, and it takes a hundred times as long. `twice=mask` and so on do a part of the work twice and change no bit: how much longer that
+//! takes is the part's share of the time [Meunier2009, table 1].
 //!
 //! **Limits.** Lights are spheres; environments are not modelled. Spheres behind the light are ignored, and from within a
 //! light nothing is hidden. A Phong lobe without a cosine, which reaches below the horizon, is cut there by the visible
@@ -56,6 +65,7 @@ mod lobes;
 mod mask;
 mod parameters;
 mod reflectance;
+mod sampled;
 mod shade;
 mod square;
 mod weights;
@@ -66,6 +76,7 @@ use halfshade_scene::{EyeLobes, Frame, Progress, RadianceMut, Receivers, Scene, 
 use halfshade_sh::lobe::{CapTable, LobeTable, ProductRule};
 use halfshade_strategy::{Baked, Detail, Effect, Effects, Footprint, Info, Params, Strategy, StrategyError};
 use parameters::{Order, Settings};
+use sampled::Sampler;
 use shade::Shading;
 use square::Cells;
 use std::sync::{
@@ -108,7 +119,7 @@ impl Strategy for CosineLobe {
         progress.advance(1);
         Ok(Box::new(Prepared {
             settings,
-            tables: Tables { products, caps, cells, weights },
+            tables: Tables { products, caps, cells, weights, sampler: settings.samples.map(Sampler::new) },
             bodies: bodies(scene),
             moment: None,
             counters: Counters::default(),
@@ -129,6 +140,8 @@ struct Tables {
     caps: CapTable,
     cells: Cells,
     weights: WeightTable,
+    /// In place of products.
+    sampler: Option<Sampler>,
 }
 
 /// The scene in a frame. Lengths are about the origin of the frame, so that a scene may lie anywhere.
@@ -173,6 +186,7 @@ impl Baked for Prepared {
                 ("caps", self.tables.caps.bytes()),
                 ("cells", self.tables.cells.bytes()),
                 ("weights", self.tables.weights.bytes()),
+                ("samples", self.tables.sampler.as_ref().map_or(0, Sampler::bytes)),
                 ("spheres", self.moment.as_ref().map_or(0, |moment| moment.spheres.bytes())),
                 ("bindings", bodies.map(Body::bytes).sum()),
             ],

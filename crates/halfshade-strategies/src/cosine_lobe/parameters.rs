@@ -36,6 +36,21 @@ pub(super) enum Weights {
     SolidAngle,
 }
 
+/// A part of the work for one receiver and light, in the order of [Meunier2009, table 1].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Stage {
+    /// Lobes of the reflectance.
+    Reflectance,
+    /// The light, and what of it is reflected unblocked.
+    Light,
+    /// Spheres in the way, and which cells they cover.
+    Mask,
+    /// Lobes of the covered cells.
+    MaskLobes,
+    /// Integrals of their products.
+    Integrals,
+}
+
 /// All parameters, read.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Settings {
@@ -45,6 +60,10 @@ pub(super) struct Settings {
     pub(super) weights: Weights,
     pub(super) fit: CapFit,
     pub(super) product: ProductRule,
+    /// Directions per integral, instead of products.
+    pub(super) samples: Option<usize>,
+    /// Done twice, so that a clock tells its share.
+    pub(super) twice: Option<Stage>,
     pub(super) rule: AdjustRule,
     pub(super) threshold: f32,
 }
@@ -89,6 +108,23 @@ pub(super) fn all() -> Vec<Parameter> {
             "moments",
         ),
         choice(
+            "integration",
+            "sums of lobes by products, or for comparison by sampling the lobes",
+            &["analytic", "sampled"],
+            "analytic",
+        ),
+        Parameter {
+            name: "samples",
+            summary: "for integration=sampled: directions per integral",
+            kind: ParameterKind::Integer { default: 64, min: 1, max: 65_536 },
+        },
+        choice(
+            "twice",
+            "a part of the work that is done twice: by how much that takes longer is its share of the time",
+            &["nothing", "reflectance", "light", "mask", "mask-lobes", "integrals"],
+            "nothing",
+        ),
+        choice(
             "rule",
             "spheres that cut the tangent plane: see sh-exp",
             &["continuous", "covering", "published"],
@@ -127,6 +163,15 @@ impl Settings {
                 "published" => ProductRule::Published,
                 "integral-preserving" => ProductRule::IntegralPreserving,
                 _ => ProductRule::Moments,
+            },
+            samples: (params.choice("integration") == "sampled").then(|| params.integer("samples") as usize),
+            twice: match params.choice("twice") {
+                "reflectance" => Some(Stage::Reflectance),
+                "light" => Some(Stage::Light),
+                "mask" => Some(Stage::Mask),
+                "mask-lobes" => Some(Stage::MaskLobes),
+                "integrals" => Some(Stage::Integrals),
+                _ => None,
             },
             rule: match params.choice("rule") {
                 "covering" => AdjustRule::Covering,

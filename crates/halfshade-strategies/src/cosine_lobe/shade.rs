@@ -5,7 +5,7 @@ use super::{
     blockers::{Ball, Receiver, Spheres},
     lobes::{CellLobes, Shape},
     mask::{Disc, Mask, covered_fraction},
-    parameters::{Leaves, Order, Settings, Weights},
+    parameters::{Leaves, Order, Settings, Stage, Weights},
     reflectance::{Horizon, MOST_TERMS, Term, Terms},
     square::{Square, disc},
     weights::light_lobe,
@@ -13,7 +13,10 @@ use super::{
 use glam::Vec3;
 use halfshade_scene::{RadianceMut, Receivers, SphereLight, light::cap_irradiance};
 use halfshade_sh::lobe::Lobe8;
-use std::f32::consts::{FRAC_1_PI, FRAC_PI_2};
+use std::{
+    f32::consts::{FRAC_1_PI, FRAC_PI_2},
+    hint::black_box,
+};
 use wide::f32x8;
 
 /// Receivers for which the spheres in the way of a light are looked up together.
@@ -30,6 +33,14 @@ pub(super) struct Counts {
     /// Pairs of receiver and light whose mask was built, and lobes of those masks.
     pub(super) masks: u64,
     pub(super) lobes: u64,
+}
+
+/// How much of a light spheres hide.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Hidden {
+    Nothing,
+    Part,
+    All,
 }
 
 /// Working memory of one call.
@@ -70,11 +81,17 @@ impl<'a> Shading<'a> {
             }
             let ball = Ball::around(&positions[..count]);
             for (light, between) in moment.lights.iter().zip(&mut self.between) {
-                moment.spheres.keep_between(&ball, &Ball::of(light, moment.origin), between);
+                let mut keep = || moment.spheres.keep_between(&ball, &Ball::of(light, moment.origin), between);
+                if self.settings.twice == Some(Stage::Mask) {
+                    keep();
+                }
+                keep();
             }
             for (i, &position) in positions[..count].iter().enumerate() {
                 let receiver = Receiver { position, normal: receivers.normal_at(start + i).to_array() };
-                let terms = Terms::of(&receivers, start + i, moment.eye_lobes.as_ref(), self.tables.products);
+                let terms = self.stage(Stage::Reflectance, |it| {
+                    Terms::of(&receivers, start + i, moment.eye_lobes.as_ref(), it.tables.products)
+                });
                 let radiance = (0..moment.lights.len()).map(|light| self.reflected(&receiver, &terms, light)).sum();
                 out.set(start + i, radiance);
             }
@@ -97,41 +114,55 @@ impl<'a> Shading<'a> {
             return Vec3::ZERO;
         }
         let mut factors = [(Lobe8::splat(&NOTHING), 0.0); MOST_TERMS];
-        for (term, factor) in terms.iter().zip(&mut factors) {
-            *factor = self.unblocked(term, &square, above);
-        }
+        self.stage(Stage::Light, |it| {
+            for (term, factor) in terms.iter().zip(&mut factors) {
+                *factor = it.unblocked(term, &square, above);
+            }
+        });
         let sum = |hidden: &dyn Fn(usize) -> f32| {
             let visible = |(i, term): (usize, &Term)| (factors[i].1 - hidden(i)).max(0.0) * term.color;
             light.radiance * terms.iter().enumerate().map(visible).sum::<Vec3>()
         };
         let all = sum(&|_| 0.0);
-        if all == Vec3::ZERO || !self.find_discs(receiver, &square, number) {
+        if all == Vec3::ZERO {
             return Vec3::ZERO;
         }
-        if self.discs.is_empty() {
-            return all;
+        match self.stage(Stage::Mask, |it| it.find_mask(receiver, &square, number)) {
+            Hidden::Nothing => return all,
+            Hidden::All => return Vec3::ZERO,
+            Hidden::Part => self.counts.masks += 1,
         }
-        if !self.find_lobes(&square) {
-            return Vec3::ZERO;
-        }
-        self.counts.masks += 1;
-        // Of the brightest channel.
-        let strength = |color: Vec3| color.max_element();
-        let total: f32 = terms.iter().zip(&factors).map(|(term, factor)| strength(term.color) * factor.1).sum();
-        let mut hidden = [0.0; MOST_TERMS];
-        for (i, term) in terms.iter().enumerate() {
-            // A leaf's share of a diffuse surface's light is its solid angle: nothing is small beside the others.
-            let tests = self.settings.threshold > 0.0
-                && (term.horizon != Horizon::Diffuse || self.settings.order == Order::Published);
-            let limit = tests.then(|| self.settings.threshold * total / strength(term.color));
-            let products = &mut self.counts.products;
-            hidden[i] = self.lobes.integral(&factors[i].0, self.tables.products, limit, products);
-        }
+        self.stage(Stage::MaskLobes, |it| it.find_lobes(&square));
+        let hidden = self.stage(Stage::Integrals, |it| it.hidden(terms, &factors, &square));
         sum(&|i| hidden[i])
     }
 
+    /// What the mask hides of each term, as [`Self::unblocked`] has it.
+    fn hidden(&mut self, terms: &Terms, factors: &[(Lobe8, f32); MOST_TERMS], square: &Square) -> [f32; MOST_TERMS] {
+        // Of the brightest channel.
+        let strength = |color: Vec3| color.max_element();
+        let total: f32 = terms.iter().zip(factors).map(|(term, factor)| strength(term.color) * factor.1).sum();
+        let published = self.settings.order == Order::Published;
+        let mut hidden = [0.0; MOST_TERMS];
+        for ((term, (factor, _)), hidden) in terms.iter().zip(factors).zip(&mut hidden) {
+            *hidden = match &self.tables.sampler {
+                None => {
+                    // A leaf's share of a diffuse surface's light is its solid angle: nothing is small beside the others.
+                    let tests = self.settings.threshold > 0.0 && (term.horizon != Horizon::Diffuse || published);
+                    let limit = tests.then(|| self.settings.threshold * total / strength(term.color));
+                    self.lobes.integral(factor, self.tables.products, limit, &mut self.counts.products)
+                }
+                Some(sampler) => {
+                    let light = published.then(|| light_lobe(square, &self.tables.caps));
+                    sampler.sum(factor, light.as_ref(), &self.lobes)
+                }
+            };
+        }
+        hidden
+    }
+
     /// The lobe that is multiplied with the mask's, and what the term reflects of the unblocked light, per its colour and
-    /// the light's radiance.
+    /// the light's radiance. The lobe is the product with the light's in the published order, but the term's if sampled.
     fn unblocked(&mut self, term: &Term, square: &Square, above: f32) -> (Lobe8, f32) {
         let end = match term.horizon {
             Horizon::None => fraction_above(above / square.sine),
@@ -139,6 +170,10 @@ impl<'a> Shading<'a> {
         };
         let end_lobe = |lobe: Lobe8| Lobe8 { scale: lobe.scale * f32x8::splat(end), ..lobe };
         match self.settings.order {
+            Order::Published if let Some(sampler) = &self.tables.sampler => {
+                let lobe = end_lobe(term.lobe);
+                (lobe, sampler.integral_of_lanes(&lobe, &light_lobe(square, &self.tables.caps)))
+            }
             Order::Published => {
                 let product = self.tables.products.product8(&term.lobe, &light_lobe(square, &self.tables.caps));
                 let product = end_lobe(product);
@@ -170,7 +205,35 @@ impl<'a> Shading<'a> {
         let cells = &self.tables.cells;
         cells.level(level).for_each(|&cell| self.highlight.push(cell, level, 1.0, square, Shape::Part));
         self.highlight.flush(square, Shape::Part);
-        self.highlight.integral(lobe, self.tables.products, None, &mut self.counts.products)
+        match &self.tables.sampler {
+            None => self.highlight.integral(lobe, self.tables.products, None, &mut self.counts.products),
+            Some(sampler) => sampler.sum(lobe, None, &self.highlight),
+        }
+    }
+
+    /// One stage of the work, as often as is asked for. What it leaves is the same.
+    #[inline(always)]
+    fn stage<T>(&mut self, stage: Stage, mut work: impl FnMut(&mut Self) -> T) -> T {
+        if self.settings.twice == Some(stage) {
+            black_box(work(self));
+        }
+        work(self)
+    }
+
+    /// The cells that the spheres in the way cover.
+    fn find_mask(&mut self, receiver: &Receiver, square: &Square, light: usize) -> Hidden {
+        if !self.find_discs(receiver, square, light) {
+            return Hidden::All;
+        }
+        if self.discs.is_empty() {
+            return Hidden::Nothing;
+        }
+        self.mask.clear();
+        self.discs.iter().for_each(|disc| self.mask.splat(disc));
+        if self.settings.leaves == Leaves::Conservative {
+            self.mask.cover_touched();
+        }
+        if self.mask.join(&self.tables.cells.unlit) { Hidden::All } else { Hidden::Part }
     }
 
     /// The spheres in the way. `false` if one of them hides the light.
@@ -197,17 +260,9 @@ impl<'a> Shading<'a> {
         true
     }
 
-    /// Mask and lobes of the discs. `false` if together they hide the light.
-    fn find_lobes(&mut self, square: &Square) -> bool {
+    /// The lobes of the mask.
+    fn find_lobes(&mut self, square: &Square) {
         let (settings, tables) = (self.settings, self.tables);
-        self.mask.clear();
-        self.discs.iter().for_each(|disc| self.mask.splat(disc));
-        if settings.leaves == Leaves::Conservative {
-            self.mask.cover_touched();
-        }
-        if self.mask.join(&tables.cells.unlit) {
-            return false;
-        }
         let shape = match (settings.order, settings.weights) {
             (Order::LightFirst, _) => Shape::Part,
             (Order::Published, Weights::Fitted | Weights::Umbra) => Shape::Bounding(&tables.caps),
@@ -235,7 +290,6 @@ impl<'a> Shading<'a> {
             });
         }
         lobes.flush(square, shape);
-        true
     }
 }
 
