@@ -52,6 +52,8 @@
 //! fraction of the light alone.
 
 mod blockers;
+mod environment;
+mod light;
 mod lobes;
 mod mask;
 mod parameters;
@@ -60,11 +62,13 @@ mod shade;
 mod square;
 mod weights;
 
-use blockers::{Body, Spheres, bodies};
+use blockers::{Ball, Body, Spheres, bodies};
+use environment::{Fitted, Surroundings};
 use glam::{DVec3, Vec3};
-use halfshade_scene::{EyeLobes, Frame, Progress, RadianceMut, Receivers, Scene, SphereLight};
+use halfshade_scene::{Environment, EyeLobes, Frame, Progress, RadianceMut, Receivers, Scene};
 use halfshade_sh::lobe::{CapTable, LobeTable, ProductRule};
 use halfshade_strategy::{Baked, Detail, Effect, Effects, Footprint, Info, Params, Strategy, StrategyError};
+use light::Light;
 use parameters::{Order, Settings};
 use shade::Shading;
 use square::Cells;
@@ -86,6 +90,7 @@ impl Strategy for CosineLobe {
             source: "[Meunier2009]",
             parameters: parameters::all(),
             effects: Effects::of(&[
+                Effect::EnvironmentLight,
                 Effect::LocalLights,
                 Effect::ColouredLight,
                 Effect::GlossyReflectance,
@@ -108,11 +113,18 @@ impl Strategy for CosineLobe {
         progress.advance(1);
         Ok(Box::new(Prepared {
             settings,
+            fitted: settings.fitted(&scene.environment, products),
             tables: Tables { products, caps, cells, weights },
             bodies: bodies(scene),
             moment: None,
             counters: Counters::default(),
         }))
+    }
+}
+
+impl Settings {
+    fn fitted(&self, environment: &Environment, table: &LobeTable) -> Fitted {
+        Fitted::new(&environment.base, self.environment_lobes, self.environment_depth, table)
     }
 }
 
@@ -136,7 +148,10 @@ struct Tables {
 struct Moment {
     origin: DVec3,
     spheres: Spheres,
-    lights: Vec<SphereLight>,
+    /// Around all of them.
+    ball: Ball,
+    lights: Vec<Light>,
+    surroundings: Option<Surroundings>,
     eye_lobes: Option<EyeLobes>,
 }
 
@@ -159,6 +174,7 @@ struct Counters {
 struct Prepared {
     settings: Settings,
     tables: Tables,
+    fitted: Fitted,
     bodies: Vec<Option<Body>>,
     moment: Option<Moment>,
     counters: Counters,
@@ -167,12 +183,15 @@ struct Prepared {
 impl Baked for Prepared {
     fn footprint(&self) -> Footprint {
         let bodies = self.bodies.iter().flatten();
+        let [lobes, sky] = self.fitted.bytes();
         Footprint {
             parts: vec![
                 ("products", self.tables.products.bytes()),
                 ("caps", self.tables.caps.bytes()),
                 ("cells", self.tables.cells.bytes()),
                 ("weights", self.tables.weights.bytes()),
+                ("lobes of the environment", lobes),
+                ("cells of the environment", sky),
                 ("spheres", self.moment.as_ref().map_or(0, |moment| moment.spheres.bytes())),
                 ("bindings", bodies.map(Body::bytes).sum()),
             ],
@@ -195,11 +214,24 @@ impl Baked for Prepared {
         if frame.scene.objects.len() != self.bodies.len() {
             return Err(StrategyError::Failed("the frame is of another scene than was baked".into()));
         }
-        let origin = frame.lights.first().map_or(DVec3::ZERO, |light| light.center.as_dvec3());
+        let environment = &frame.scene.environment;
+        if !self.fitted.is_of(environment) {
+            self.fitted = self.settings.fitted(environment, self.tables.products);
+        }
+        let origin = match (frame.lights.first(), frame.world_from_object.first()) {
+            (Some(light), _) => light.center.as_dvec3(),
+            (None, Some(pose)) => pose.translation.as_dvec3(),
+            (None, None) => DVec3::ZERO,
+        };
+        let spheres = Spheres::of(frame, &self.bodies, origin);
+        let near = frame.lights.iter().map(|light| Light::near(light, origin));
+        let sun = environment.sun.iter().map(|sun| Light::far(sun, frame.world_from_environment));
         self.moment = Some(Moment {
             origin,
-            spheres: Spheres::of(frame, &self.bodies, origin),
-            lights: frame.lights.clone(),
+            ball: spheres.ball(),
+            spheres,
+            lights: near.chain(sun).collect(),
+            surroundings: self.fitted.turned(frame.world_from_environment),
             eye_lobes: EyeLobes::new(frame),
         });
         Ok(())
