@@ -78,12 +78,13 @@ pub struct LobeSum {
 }
 
 impl LobeSum {
-    /// The sum of at most `count` lobes and a constant that is nearest to an RGB image, as the module's documentation says.
+    /// The sum of at most `count` lobes and a constant that is near to an RGB image: by radiance, mean square over directions,
+    /// and a thousand times as much by irradiance over π, mean square over normals.
     ///
     /// Row 0 is the zenith (+Y); the centre column looks along -Z and columns run toward +X, rows and columns at equal steps
     /// of polar angle and azimuth, radiance constant over a texel. Texels that are negative or not finite count as 0.
-    /// `None` if `texels` does not have `width·height` entries or either is 0. Under a second for 32 lobes on two cores, the
-    /// same bits on any number of threads. Light narrower than a cell of the grid is smeared over it.
+    /// `None` if `texels` does not have `width·height` entries or either is 0. A second for 16 lobes and two for 32 on two cores,
+    /// the same bits on any number of threads. Light narrower than a cell of the grid is smeared over it.
     pub fn fit(count: usize, width: usize, height: usize, texels: &[[f32; 3]], table: &LobeTable) -> Option<Self> {
         if width == 0 || height == 0 || width.checked_mul(height) != Some(texels.len()) {
             return None;

@@ -1,5 +1,5 @@
-//! Direct light of spherical lights by cosine lobes \[Meunier2009\]: reflectance, light and visibility are sums of lobes
-//! `s max(a·v, 0)^e`, and the integral of a product of lobes is looked up (`halfshade_sh::lobe`).
+//! Direct light of spherical lights and environments by cosine lobes \[Meunier2009\]: reflectance, light and visibility are sums
+//! of lobes `s max(a·v, 0)^e`, and the integral of a product of lobes is looked up (`halfshade_sh::lobe`).
 //!
 //! ```text
 //! L = Σ_i Σ_j ∫ ρ_i l_j V_j dω        ρ: reflectance (5.1)   l: a light (5.2)   V_j = 1 - Σ_k w_k c_k: what hides it (5.3)
@@ -47,7 +47,14 @@
 //! **Threshold** [Meunier2009, 4.3]. A group of eight products is left out if none of them can reach `threshold` times the
 //! unblocked radiance; each left out changes radiance by less than that. A diffuse lobe isn't tested in the default order.
 //!
-//! **Limits.** Lights are spheres; environments are not modelled. Spheres behind the light are ignored, and from within a
+//! **Environments**, which the paper leaves open, are a constant and a few lobes fitted to the map (`env-lobes`), and a sun is a
+//! spherical light infinitely far away. One mask of all directions serves all lobes (`env-depth`): see `environment/mod.rs`.
+//! Of a sky with a window and a lamp, 16 lobes miss unblocked radiance by 0.002 of its mean (RMS), and what five spheres leave
+//! of it by 0.029, 0.013, 0.009 and 0.008 at depth 3, 4, 5 and 6; at depth 5, 8 lobes by 0.010 and 64 by 0.007
+//! (`tests/cosine_lobe_environment.rs`).
+//!
+//! **Limits.** Local lights are spheres. A map's light is smeared over 5.6 degrees, the lobes' grid, and highlights sharper than
+//! that show it; blockers of an environment are told apart by cells. Spheres behind the light are ignored, and from within a
 //! light nothing is hidden. A Phong lobe without a cosine, which reaches below the horizon, is cut there by the visible
 //! fraction of the light alone.
 
@@ -86,7 +93,7 @@ impl Strategy for CosineLobe {
     fn info(&self) -> Info {
         Info {
             name: "cosine-lobe",
-            summary: "products of cosine lobes; a quad-tree of shadow before each spherical light",
+            summary: "products of cosine lobes; a quad-tree of shadow before each spherical light, one mask before an environment",
             source: "[Meunier2009]",
             parameters: parameters::all(),
             effects: Effects::of(&[

@@ -104,12 +104,12 @@ pub(super) fn all() -> Vec<Parameter> {
         Parameter {
             name: "env-lobes",
             summary: "lobes fitted to an environment map, beside a constant",
-            kind: ParameterKind::Integer { default: 32, min: 0, max: 64 },
+            kind: ParameterKind::Integer { default: 16, min: 0, max: 64 },
         },
         Parameter {
             name: "env-depth",
             summary: "cells along each side of a hemisphere that blockers cover, as a power of 2",
-            kind: ParameterKind::Integer { default: 4, min: 3, max: 6 },
+            kind: ParameterKind::Integer { default: 5, min: 3, max: 6 },
         },
     ]
 }

@@ -84,7 +84,7 @@ impl Fitted {
             side,
             uniform: Vec3::from(sum.uniform.map(|channel| channel as f32)),
             lobes: sum.lobes.chunks(8).map(gathered).collect(),
-            cells: cells::cells(side, &sum),
+            cells: if sum == LobeSum::default() { Default::default() } else { cells::cells(side, &sum) },
         }
     }
 
