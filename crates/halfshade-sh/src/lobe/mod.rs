@@ -3,6 +3,7 @@
 //! [`Lobe`] with [`product`], [`product_integral`] and [`cap_lobe`] is the f64 reference, a quadrature per call. [`Lobe8`]
 //! with [`LobeTable`] and [`CapTable`] is what runs per receiver: reflectance times light by [`LobeTable::product8`], then
 //! with every visibility lobe [`LobeTable::product_integral8`], skipped where [`Lobe8::product_bound`] is below a threshold.
+//! [`LobeSum`] is light from infinitely far as lobes.
 //!
 //! Measured by `examples/lobe_accuracy.rs` (exponents 0 to 100000, the samples of [Meunier2009, 4.1]; the chain is reflectance
 //! times light times blocker, exponents 0.6 to 38, as a fraction of the unshadowed):
@@ -21,15 +22,18 @@ mod batch;
 mod cap;
 mod cap_table;
 mod fit;
+mod nonnegative;
 mod pair;
 mod plane;
 mod product;
+mod radiance;
 mod table;
 
 pub use batch::Lobe8;
 pub use cap::{CapFit, cap_distance, cap_lobe};
 pub use cap_table::CapTable;
 pub use product::{ProductRule, product, product_bound, product_integral};
+pub use radiance::{ColoredLobe, LobeSum};
 pub use table::LobeTable;
 
 use std::f64::consts::TAU;

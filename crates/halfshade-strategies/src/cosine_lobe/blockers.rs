@@ -3,7 +3,7 @@
 
 use glam::{DVec3, Vec3};
 use halfshade_scene::{
-    Frame, Object, Scene, Sphere, SphereLight, SphereSet,
+    Frame, Object, Scene, Sphere, SphereSet,
     spheres::{AdjustRule, COVER_HEIGHT, FADE_HEIGHT, SphereBinding},
 };
 use std::sync::Arc;
@@ -85,6 +85,25 @@ impl Spheres {
         4 * size_of_val(self.radius.as_slice())
     }
 
+    /// A ball around all of them.
+    pub(super) fn ball(&self) -> Ball {
+        if self.radius.is_empty() {
+            return Ball { center: [0.0; 3], radius: 0.0 };
+        }
+        let [x, y, z] = &self.center;
+        let centers: Vec<[f32; 3]> = x.iter().zip(y).zip(z).map(|((&x, &y), &z)| [x, y, z]).collect();
+        let ball = Ball::around(&centers);
+        Ball { radius: ball.radius + self.radius.iter().copied().fold(0.0, f32::max), ..ball }
+    }
+
+    #[cfg(test)]
+    pub(super) fn from_balls(balls: &[Ball]) -> Self {
+        let mut spheres = Self::default();
+        balls.iter().for_each(|ball| spheres.push(ball.center, ball.radius));
+        spheres.fill_up();
+        spheres
+    }
+
     /// Groups of eight: centres and radii.
     #[inline(always)]
     pub(super) fn groups(&self) -> impl Iterator<Item = ([f32x8; 3], f32x8)> {
@@ -151,10 +170,6 @@ impl Ball {
         let center = 0.5 * (low + high);
         let radius = points().map(|point| point.distance(center)).fold(0.0, f32::max);
         Self { center: center.to_array(), radius }
-    }
-
-    pub(super) fn of(light: &SphereLight, origin: DVec3) -> Self {
-        Self { center: (light.center.as_dvec3() - origin).as_vec3().to_array(), radius: light.radius }
     }
 }
 

@@ -1,5 +1,5 @@
-//! Direct light of spherical lights by cosine lobes \[Meunier2009\]: reflectance, light and visibility are sums of lobes
-//! `s max(a·v, 0)^e`, and the integral of a product of lobes is looked up (`halfshade_sh::lobe`).
+//! Direct light of spherical lights and environments by cosine lobes \[Meunier2009\]: reflectance, light and visibility are sums
+//! of lobes `s max(a·v, 0)^e`, and the integral of a product of lobes is looked up (`halfshade_sh::lobe`).
 //!
 //! ```text
 //! L = Σ_i Σ_j ∫ ρ_i l_j V_j dω        ρ: reflectance (5.1)   l: a light (5.2)   V_j = 1 - Σ_k w_k c_k: what hides it (5.3)
@@ -56,11 +56,20 @@
 //! published, and it takes a hundred times as long. `twice=mask` and so on do a part of the work twice and change no bit: how much longer that
 //! takes is the part's share of the time [Meunier2009, table 1].
 //!
-//! **Limits.** Lights are spheres; environments are not modelled. Spheres behind the light are ignored, and from within a
+//! **Environments**, which the paper leaves open, are a constant and a few lobes fitted to the map (`env-lobes`), and a sun is a
+//! spherical light infinitely far away. One mask of all directions serves all lobes (`env-depth`): see `environment/mod.rs`.
+//! Of a sky with a window and a lamp, 16 lobes miss unblocked radiance by 0.002 of its mean (RMS), and what five spheres leave
+//! of it by 0.029, 0.013, 0.009 and 0.008 at depth 3, 4, 5 and 6; at depth 5, 8 lobes by 0.010 and 64 by 0.007
+//! (`tests/cosine_lobe_environment.rs`).
+//!
+//! **Limits.** Local lights are spheres. A map's light is smeared over 5.6 degrees, the lobes' grid, and highlights sharper than
+//! that show it; blockers of an environment are told apart by cells. Spheres behind the light are ignored, and from within a
 //! light nothing is hidden. A Phong lobe without a cosine, which reaches below the horizon, is cut there by the visible
 //! fraction of the light alone.
 
 mod blockers;
+mod environment;
+mod light;
 mod lobes;
 mod mask;
 mod parameters;
@@ -70,11 +79,13 @@ mod shade;
 mod square;
 mod weights;
 
-use blockers::{Body, Spheres, bodies};
+use blockers::{Ball, Body, Spheres, bodies};
+use environment::{Fitted, Surroundings};
 use glam::{DVec3, Vec3};
-use halfshade_scene::{EyeLobes, Frame, Progress, RadianceMut, Receivers, Scene, SphereLight};
+use halfshade_scene::{Environment, EyeLobes, Frame, Progress, RadianceMut, Receivers, Scene};
 use halfshade_sh::lobe::{CapTable, LobeTable, ProductRule};
 use halfshade_strategy::{Baked, Detail, Effect, Effects, Footprint, Info, Params, Strategy, StrategyError};
+use light::Light;
 use parameters::{Order, Settings};
 use sampled::Sampler;
 use shade::Shading;
@@ -93,10 +104,11 @@ impl Strategy for CosineLobe {
     fn info(&self) -> Info {
         Info {
             name: "cosine-lobe",
-            summary: "products of cosine lobes; a quad-tree of shadow before each spherical light",
+            summary: "products of cosine lobes; a quad-tree of shadow before each spherical light, one mask before an environment",
             source: "[Meunier2009]",
             parameters: parameters::all(),
             effects: Effects::of(&[
+                Effect::EnvironmentLight,
                 Effect::LocalLights,
                 Effect::ColouredLight,
                 Effect::GlossyReflectance,
@@ -119,11 +131,18 @@ impl Strategy for CosineLobe {
         progress.advance(1);
         Ok(Box::new(Prepared {
             settings,
+            fitted: settings.fitted(&scene.environment, products),
             tables: Tables { products, caps, cells, weights, sampler: settings.samples.map(Sampler::new) },
             bodies: bodies(scene),
             moment: None,
             counters: Counters::default(),
         }))
+    }
+}
+
+impl Settings {
+    fn fitted(&self, environment: &Environment, table: &LobeTable) -> Fitted {
+        Fitted::new(&environment.base, self.environment_lobes, self.environment_depth, table)
     }
 }
 
@@ -149,7 +168,10 @@ struct Tables {
 struct Moment {
     origin: DVec3,
     spheres: Spheres,
-    lights: Vec<SphereLight>,
+    /// Around all of them.
+    ball: Ball,
+    lights: Vec<Light>,
+    surroundings: Option<Surroundings>,
     eye_lobes: Option<EyeLobes>,
 }
 
@@ -172,6 +194,7 @@ struct Counters {
 struct Prepared {
     settings: Settings,
     tables: Tables,
+    fitted: Fitted,
     bodies: Vec<Option<Body>>,
     moment: Option<Moment>,
     counters: Counters,
@@ -180,6 +203,7 @@ struct Prepared {
 impl Baked for Prepared {
     fn footprint(&self) -> Footprint {
         let bodies = self.bodies.iter().flatten();
+        let [lobes, sky] = self.fitted.bytes();
         Footprint {
             parts: vec![
                 ("products", self.tables.products.bytes()),
@@ -187,6 +211,8 @@ impl Baked for Prepared {
                 ("cells", self.tables.cells.bytes()),
                 ("weights", self.tables.weights.bytes()),
                 ("samples", self.tables.sampler.as_ref().map_or(0, Sampler::bytes)),
+                ("lobes of the environment", lobes),
+                ("cells of the environment", sky),
                 ("spheres", self.moment.as_ref().map_or(0, |moment| moment.spheres.bytes())),
                 ("bindings", bodies.map(Body::bytes).sum()),
             ],
@@ -209,11 +235,24 @@ impl Baked for Prepared {
         if frame.scene.objects.len() != self.bodies.len() {
             return Err(StrategyError::Failed("the frame is of another scene than was baked".into()));
         }
-        let origin = frame.lights.first().map_or(DVec3::ZERO, |light| light.center.as_dvec3());
+        let environment = &frame.scene.environment;
+        if !self.fitted.is_of(environment) {
+            self.fitted = self.settings.fitted(environment, self.tables.products);
+        }
+        let origin = match (frame.lights.first(), frame.world_from_object.first()) {
+            (Some(light), _) => light.center.as_dvec3(),
+            (None, Some(pose)) => pose.translation.as_dvec3(),
+            (None, None) => DVec3::ZERO,
+        };
+        let spheres = Spheres::of(frame, &self.bodies, origin);
+        let near = frame.lights.iter().map(|light| Light::near(light, origin));
+        let sun = environment.sun.iter().map(|sun| Light::far(sun, frame.world_from_environment));
         self.moment = Some(Moment {
             origin,
-            spheres: Spheres::of(frame, &self.bodies, origin),
-            lights: frame.lights.clone(),
+            ball: spheres.ball(),
+            spheres,
+            lights: near.chain(sun).collect(),
+            surroundings: self.fitted.turned(frame.world_from_environment),
             eye_lobes: EyeLobes::new(frame),
         });
         Ok(())

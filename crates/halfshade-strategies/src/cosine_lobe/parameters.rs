@@ -66,6 +66,8 @@ pub(super) struct Settings {
     pub(super) twice: Option<Stage>,
     pub(super) rule: AdjustRule,
     pub(super) threshold: f32,
+    pub(super) environment_lobes: usize,
+    pub(super) environment_depth: usize,
 }
 
 pub(super) fn all() -> Vec<Parameter> {
@@ -135,6 +137,16 @@ pub(super) fn all() -> Vec<Parameter> {
             summary: "products below this fraction of the unblocked light's are left out; 0 leaves out none",
             kind: ParameterKind::Float { default: 1e-4, min: 0.0, max: 1.0 },
         },
+        Parameter {
+            name: "env-lobes",
+            summary: "lobes fitted to an environment map, beside a constant",
+            kind: ParameterKind::Integer { default: 16, min: 0, max: 64 },
+        },
+        Parameter {
+            name: "env-depth",
+            summary: "cells along each side of a hemisphere that blockers cover, as a power of 2",
+            kind: ParameterKind::Integer { default: 5, min: 3, max: 6 },
+        },
     ]
 }
 
@@ -179,6 +191,8 @@ impl Settings {
                 _ => AdjustRule::Continuous,
             },
             threshold: params.float("threshold") as f32,
+            environment_lobes: params.integer("env-lobes") as usize,
+            environment_depth: params.integer("env-depth") as usize,
         }
     }
 }

@@ -3,6 +3,7 @@
 use super::{
     Moment, Tables,
     blockers::{Ball, Receiver, Spheres},
+    environment,
     lobes::{CellLobes, Shape},
     mask::{Disc, Mask, covered_fraction},
     parameters::{Leaves, Order, Settings, Stage, Weights},
@@ -11,7 +12,7 @@ use super::{
     weights::light_lobe,
 };
 use glam::Vec3;
-use halfshade_scene::{RadianceMut, Receivers, SphereLight, light::cap_irradiance};
+use halfshade_scene::{RadianceMut, Receivers, light::cap_irradiance};
 use halfshade_sh::lobe::Lobe8;
 use std::{
     f32::consts::{FRAC_1_PI, FRAC_PI_2},
@@ -53,6 +54,7 @@ pub(super) struct Shading<'a> {
     mask: Mask,
     lobes: CellLobes,
     highlight: CellLobes,
+    around: environment::Work,
     pub(super) counts: Counts,
 }
 
@@ -67,6 +69,7 @@ impl<'a> Shading<'a> {
             mask: Mask::new(settings.depth),
             lobes: CellLobes::default(),
             highlight: CellLobes::default(),
+            around: environment::Work::default(),
             counts: Counts::default(),
         }
     }
@@ -81,7 +84,7 @@ impl<'a> Shading<'a> {
             }
             let ball = Ball::around(&positions[..count]);
             for (light, between) in moment.lights.iter().zip(&mut self.between) {
-                let mut keep = || moment.spheres.keep_between(&ball, &Ball::of(light, moment.origin), between);
+                let mut keep = || moment.spheres.keep_between(&ball, &light.ball(&ball, &moment.ball), between);
                 if self.settings.twice == Some(Stage::Mask) {
                     keep();
                 }
@@ -92,7 +95,12 @@ impl<'a> Shading<'a> {
                 let terms = self.stage(Stage::Reflectance, |it| {
                     Terms::of(&receivers, start + i, moment.eye_lobes.as_ref(), it.tables.products)
                 });
-                let radiance = (0..moment.lights.len()).map(|light| self.reflected(&receiver, &terms, light)).sum();
+                let mut radiance = (0..moment.lights.len()).map(|light| self.reflected(&receiver, &terms, light)).sum();
+                if let Some(surroundings) = &moment.surroundings {
+                    let (rule, table) = (self.settings.rule, self.tables.products);
+                    radiance +=
+                        surroundings.reflected(&receiver, &terms, &moment.spheres, rule, table, &mut self.around);
+                }
                 out.set(start + i, radiance);
             }
         }
@@ -100,14 +108,11 @@ impl<'a> Shading<'a> {
 
     /// What a receiver reflects of one light.
     fn reflected(&mut self, receiver: &Receiver, terms: &Terms, number: usize) -> Vec3 {
-        let light: &SphereLight = &self.moment.lights[number];
-        let center = self.moment.local(light.center);
-        let offset = std::array::from_fn(|axis| center[axis] - receiver.position[axis]);
-        let Some(square) = Square::new(offset, light.radius) else {
+        let light = &self.moment.lights[number];
+        let Some(square) = light.square(receiver.position) else {
             // From within a light everything is light, and nothing is between.
-            let inside = light.radius > 0.0;
             let all = terms.iter().map(|term| term.lobe.integral().to_array()[0] * term.color).sum::<Vec3>();
-            return if inside { light.radiance * all } else { Vec3::ZERO };
+            return if light.has_inside() { light.radiance * all } else { Vec3::ZERO };
         };
         let above = Vec3::from(square.axis()).dot(Vec3::from(receiver.normal));
         if above <= -square.sine {

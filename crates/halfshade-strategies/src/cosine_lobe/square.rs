@@ -48,6 +48,16 @@ impl Square {
         Some(Self { frame: frame_about(axis), extent, sine, reach: reach_squared.sqrt() })
     }
 
+    /// Of a light infinitely far away; `None` if it has no size.
+    pub(super) fn far(direction: [f32; 3], sine: f32) -> Option<Self> {
+        Some(Self { reach: f32::INFINITY, ..Self::new(direction, sine)? })
+    }
+
+    /// Of half of all directions: those about the third of three axes at right angles.
+    pub(super) fn hemisphere(frame: [[f32; 3]; 3]) -> Self {
+        Self { frame, extent: 1.0, sine: 1.0, reach: f32::INFINITY }
+    }
+
     /// Direction of the light's centre.
     pub(super) fn axis(&self) -> [f32; 3] {
         self.frame[2]
