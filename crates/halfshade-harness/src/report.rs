@@ -28,12 +28,17 @@ pub fn tables(results: &Results) -> Vec<Table> {
         .iter()
         .flat_map(|(scene, frame, receivers)| {
             let first = table::scene_table(results, scene, *frame, receivers);
-            let split = table::error_split(results, scene, *frame, receivers);
-            let differences = table::differences(results, scene, *frame, receivers);
-            let details = table::details(results, scene, *frame, receivers);
-            std::iter::once(first).chain(split).chain(differences).chain(details)
+            std::iter::once(first).chain(further_tables(results, scene, *frame, receivers))
         })
         .collect()
+}
+
+/// Those that follow the first of a scene, as far as there is anything to tell.
+fn further_tables(results: &Results, scene: &str, frame: usize, receivers: &str) -> impl Iterator<Item = Table> {
+    let split = table::error_split(results, scene, frame, receivers);
+    let differences = table::differences(results, scene, frame, receivers);
+    let details = table::details(results, scene, frame, receivers);
+    [split, differences, details].into_iter().flatten()
 }
 
 /// Writes `results.json`, `results.csv`, the plots and `report.md` into `out`.
@@ -76,14 +81,8 @@ pub fn report(results: &Results, format: Format) -> String {
                 if plot::error_against_time(results, &scene, frame, &receivers).is_some() {
                     page += &format!("\n![error against time](plots/{}.svg)\n", plot_name(&scene, frame, &receivers));
                 }
-                if let Some(split) = table::error_split(results, &scene, frame, &receivers) {
-                    page += &format!("\n{}", split.write(format, &provenance));
-                }
-                if let Some(differences) = table::differences(results, &scene, frame, &receivers) {
-                    page += &format!("\n{}", differences.write(format, &provenance));
-                }
-                if let Some(details) = table::details(results, &scene, frame, &receivers) {
-                    page += &format!("\n{}", details.write(format, &provenance));
+                for table in further_tables(results, &scene, frame, &receivers) {
+                    page += &format!("\n{}", table.write(format, &provenance));
                 }
                 page += &pictures_markdown(results, &scene, frame);
             }
@@ -104,14 +103,8 @@ pub fn report(results: &Results, format: Format) -> String {
                 if let Some(Ok((svg, _))) = plot::error_against_time(results, &scene, frame, &receivers) {
                     page += &svg;
                 }
-                if let Some(split) = table::error_split(results, &scene, frame, &receivers) {
-                    page += &split.write(format, &provenance);
-                }
-                if let Some(differences) = table::differences(results, &scene, frame, &receivers) {
-                    page += &differences.write(format, &provenance);
-                }
-                if let Some(details) = table::details(results, &scene, frame, &receivers) {
-                    page += &details.write(format, &provenance);
+                for table in further_tables(results, &scene, frame, &receivers) {
+                    page += &table.write(format, &provenance);
                 }
                 page += "<div class=\"pictures\">\n";
                 for files in results.pictures.iter().filter(|files| files.scene == scene && files.frame == frame) {
