@@ -40,21 +40,21 @@ impl Projection {
         Self { width, height, supersample: SUPERSAMPLE as usize, samples: samples.collect() }
     }
 
-    /// The receivers that a camera sees through the centres of its pixels, and how they make a picture.
+    /// The receivers that a camera sees through the centres of its pixels, tile by tile, so that consecutive receivers are
+    /// neighbours in the picture both ways; and how they make a picture.
     pub fn of_pixels(tracer: &Tracer, camera: &Camera) -> (ReceiverBuffer, Self) {
         let [width, height] = camera.resolution.map(|n| n as usize);
         let mut receivers = ReceiverBuffer::default();
-        let hits = tracer.primary_hits(camera).into_iter().enumerate();
-        let samples = hits.map(|(pixel, hit)| {
-            hit.map(|hit| {
-                let (column, row) = (pixel % width, pixel / width);
-                let direction = camera.ray_direction(column as f32 + 0.5, row as f32 + 0.5);
-                let Surface { position, normal, albedo, gloss, object } = tracer.surface_at(&hit, direction);
-                receivers.push_glossy(position, normal, albedo, object, gloss);
-                ([receivers.len() as u32 - 1; 3], Vec3::X)
-            })
-        });
-        let samples = samples.collect();
+        let hits = tracer.primary_hits(camera);
+        let mut samples = vec![None; hits.len()];
+        for [column, row] in tiled(width, height) {
+            let pixel = row * width + column;
+            let Some(hit) = &hits[pixel] else { continue };
+            let direction = camera.ray_direction(column as f32 + 0.5, row as f32 + 0.5);
+            let Surface { position, normal, albedo, gloss, object } = tracer.surface_at(hit, direction);
+            receivers.push_glossy(position, normal, albedo, object, gloss);
+            samples[pixel] = Some(([receivers.len() as u32 - 1; 3], Vec3::X));
+        }
         (receivers, Self { width, height, supersample: 1, samples })
     }
 
@@ -75,9 +75,44 @@ impl Projection {
     }
 }
 
+/// Side of a tile of pixels, a power of 2.
+const TILE: usize = 8;
+
+/// Columns and rows of all pixels: tiles row by row, the pixels of a tile in Morton order.
+fn tiled(width: usize, height: usize) -> impl Iterator<Item = [usize; 2]> {
+    // Every other bit of a place in the tile, from bit `first` on.
+    let coordinate = |place: usize, first: usize| {
+        (0..TILE.ilog2()).map(|bit| (place >> (2 * bit as usize + first) & 1) << bit).sum::<usize>()
+    };
+    let tiles =
+        (0..height).step_by(TILE).flat_map(move |row| (0..width).step_by(TILE).map(move |column| [column, row]));
+    tiles
+        .flat_map(move |[column, row]| {
+            (0..TILE * TILE).map(move |place| [column + coordinate(place, 0), row + coordinate(place, 1)])
+        })
+        .filter(move |&[column, row]| column < width && row < height)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn tiles_hold_every_pixel_once() {
+        for (width, height) in [(1, 1), (8, 8), (19, 5), (24, 17)] {
+            let mut pixels: Vec<_> = tiled(width, height).collect();
+            // Eight in turn lie in four columns and two rows.
+            if width % TILE == 0 {
+                let near = |pixels: &[[usize; 2]]| {
+                    pixels.iter().all(|[x, y]| x.abs_diff(pixels[0][0]) < 4 && y - pixels[0][1] < 2)
+                };
+                assert!(pixels.chunks(8).take(8).all(near));
+            }
+            pixels.sort_by_key(|&[column, row]| (row, column));
+            let rows: Vec<_> = (0..height).flat_map(|row| (0..width).map(move |column| [column, row])).collect();
+            assert_eq!(pixels, rows);
+        }
+    }
 
     #[test]
     fn samples_are_weighted_and_averaged_within_their_pixel() {

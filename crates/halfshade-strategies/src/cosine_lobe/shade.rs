@@ -20,8 +20,10 @@ use std::{
 };
 use wide::f32x8;
 
-/// Receivers for which the spheres in the way of a light are looked up together.
+/// Receivers for which the spheres in the way of a light are looked up together, and those for whom they are looked up
+/// again among these.
 const GROUP: usize = 64;
+const SUBGROUP: usize = 8;
 
 /// Finest level at which a glossy receiver sees an unblocked light.
 const FINEST_HIGHLIGHT: usize = 3;
@@ -50,6 +52,7 @@ pub(super) struct Shading<'a> {
     tables: &'a Tables,
     moment: &'a Moment,
     between: Vec<Spheres>,
+    nearer: Vec<Spheres>,
     discs: Vec<Disc>,
     mask: Mask,
     lobes: CellLobes,
@@ -65,6 +68,7 @@ impl<'a> Shading<'a> {
             tables,
             moment,
             between: vec![Spheres::default(); moment.lights.len()],
+            nearer: vec![Spheres::default(); moment.lights.len()],
             discs: Vec::new(),
             mask: Mask::new(settings.depth),
             lobes: CellLobes::default(),
@@ -82,28 +86,46 @@ impl<'a> Shading<'a> {
             for (i, position) in positions[..count].iter_mut().enumerate() {
                 *position = moment.local(receivers.position_at(start + i));
             }
-            let ball = Ball::around(&positions[..count]);
-            for (light, between) in moment.lights.iter().zip(&mut self.between) {
-                let mut keep = || moment.spheres.keep_between(&ball, &light.ball(&ball, &moment.ball), between);
-                if self.settings.twice == Some(Stage::Mask) {
-                    keep();
+            self.stage(Stage::Mask, |it| it.keep_between(&positions[..count]));
+            for (subgroup, positions) in positions[..count].chunks(SUBGROUP).enumerate() {
+                self.stage(Stage::Mask, |it| it.keep_nearer(positions));
+                let start = start + SUBGROUP * subgroup;
+                for (i, &position) in positions.iter().enumerate() {
+                    let receiver = Receiver { position, normal: receivers.normal_at(start + i).to_array() };
+                    out.set(start + i, self.radiance(&receivers, start + i, &receiver));
                 }
-                keep();
-            }
-            for (i, &position) in positions[..count].iter().enumerate() {
-                let receiver = Receiver { position, normal: receivers.normal_at(start + i).to_array() };
-                let terms = self.stage(Stage::Reflectance, |it| {
-                    Terms::of(&receivers, start + i, moment.eye_lobes.as_ref(), it.tables.products)
-                });
-                let mut radiance = (0..moment.lights.len()).map(|light| self.reflected(&receiver, &terms, light)).sum();
-                if let Some(surroundings) = &moment.surroundings {
-                    let (rule, table) = (self.settings.rule, self.tables.products);
-                    radiance +=
-                        surroundings.reflected(&receiver, &terms, &moment.spheres, rule, table, &mut self.around);
-                }
-                out.set(start + i, radiance);
             }
         }
+    }
+
+    /// The spheres between points and each light.
+    fn keep_between(&mut self, points: &[[f32; 3]]) {
+        let moment = self.moment;
+        let ball = Ball::around(points);
+        for (light, between) in moment.lights.iter().zip(&mut self.between) {
+            moment.spheres.keep_between(&ball, &light.ball(&ball, &moment.ball), between);
+        }
+    }
+
+    /// Those of them between some of the points and each light.
+    fn keep_nearer(&mut self, points: &[[f32; 3]]) {
+        let moment = self.moment;
+        let ball = Ball::around(points);
+        for ((light, between), nearer) in moment.lights.iter().zip(&self.between).zip(&mut self.nearer) {
+            between.keep_between(&ball, &light.ball(&ball, &moment.ball), nearer);
+        }
+    }
+
+    fn radiance(&mut self, receivers: &Receivers<'_>, i: usize, receiver: &Receiver) -> Vec3 {
+        let moment = self.moment;
+        let terms =
+            self.stage(Stage::Reflectance, |it| Terms::of(receivers, i, moment.eye_lobes.as_ref(), it.tables.products));
+        let mut radiance = (0..moment.lights.len()).map(|light| self.reflected(receiver, &terms, light)).sum();
+        if let Some(surroundings) = &moment.surroundings {
+            let (rule, table) = (self.settings.rule, self.tables.products);
+            radiance += surroundings.reflected(receiver, &terms, &moment.spheres, rule, table, &mut self.around);
+        }
+        radiance
     }
 
     /// What a receiver reflects of one light.
@@ -244,7 +266,7 @@ impl<'a> Shading<'a> {
     /// The spheres in the way. `false` if one of them hides the light.
     fn find_discs(&mut self, receiver: &Receiver, square: &Square, light: usize) -> bool {
         self.discs.clear();
-        for (center, radius) in self.between[light].groups() {
+        for (center, radius) in self.nearer[light].groups() {
             let (offset, radius) = receiver.adjusted(&center, radius, self.settings.rule);
             let (found, meets) = square.splat(&offset, radius);
             let mut bits = meets.to_bitmask();
