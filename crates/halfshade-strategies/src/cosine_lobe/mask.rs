@@ -5,7 +5,7 @@
 //! its chords at the row's edges, and touches those between its widest chords within the row. Four covered siblings are then
 //! one covered parent. The leaves are those of the paper, and where several discs cover a parent's children, one leaf.
 
-use wide::f32x8;
+use wide::{f32x8, i32x8};
 
 /// Finest level: a row of its cells is a word.
 pub(super) const MAX_DEPTH: usize = 6;
@@ -31,31 +31,74 @@ pub(super) struct Cell {
     pub(super) row: usize,
 }
 
+/// Finest cells, eight rows side by side: the 32 columns on the left, then those on the right.
+#[derive(Debug, Clone)]
+struct Raster([[i32x8; MOST_ROWS / 8]; 2]);
+
+impl Raster {
+    const EMPTY: Self = Self([[i32x8::ZERO; MOST_ROWS / 8]; 2]);
+
+    /// Adds the columns from `low` to before `high` of each row of a group.
+    #[inline(always)]
+    fn add(&mut self, group: usize, low: f32x8, high: f32x8, columns: f32) {
+        for (half, first) in self.0.iter_mut().zip([0.0, 32.0]) {
+            let end = f32x8::splat((columns - first).clamp(0.0, 32.0));
+            let place = |column: f32x8| (column - f32x8::splat(first)).max(f32x8::ZERO).min(end).fast_trunc_int();
+            half[group] |= bits_below(place(high)) & !bits_below(place(low));
+        }
+    }
+
+    fn rows(&self) -> Rows {
+        let [left, right] = self.0.each_ref().map(|groups| groups.map(i32x8::to_array));
+        std::array::from_fn(|row| {
+            let word = |half: &[[i32; 8]; MOST_ROWS / 8]| u64::from(half[row / 8][row % 8] as u32);
+            word(&left) | word(&right) << 32
+        })
+    }
+}
+
+/// The lowest `count` bits of each lane, 0 to 32.
+#[inline(always)]
+fn bits_below(count: i32x8) -> i32x8 {
+    // A shift by 32 is one by 0.
+    ((i32x8::ONE << count) - i32x8::ONE) | count.simd_eq(i32x8::splat(32))
+}
+
 /// Cells in shadow, level by level.
 #[derive(Debug, Clone)]
 pub(super) struct Mask {
     depth: usize,
+    /// Of the finest level, as discs are added.
+    whole: Raster,
+    part: Raster,
+    /// The same, and what is joined of it.
     covered: [Rows; MAX_DEPTH + 1],
-    /// Of the finest level.
     touched: Rows,
 }
 
 impl Mask {
     /// Of `depth` levels below the root, at most [`MAX_DEPTH`].
     pub(super) fn new(depth: usize) -> Self {
-        Self { depth: depth.min(MAX_DEPTH), covered: [[0; MOST_ROWS]; MAX_DEPTH + 1], touched: [0; MOST_ROWS] }
+        Self {
+            depth: depth.min(MAX_DEPTH),
+            whole: Raster::EMPTY,
+            part: Raster::EMPTY,
+            covered: [[0; MOST_ROWS]; MAX_DEPTH + 1],
+            touched: [0; MOST_ROWS],
+        }
     }
 
     /// Nothing is covered.
     pub(super) fn clear(&mut self) {
-        self.covered[self.depth].fill(0);
-        self.touched.fill(0);
+        self.whole = Raster::EMPTY;
+        self.part = Raster::EMPTY;
     }
 
     /// Adds a disc to the finest cells.
     pub(super) fn splat(&mut self, disc: &Disc) {
         let rows = 1usize << self.depth;
-        let half = 0.5 * rows as f32;
+        let columns = rows as f32;
+        let half = 0.5 * columns;
         let [x, y] = disc.center.map(|coordinate| (coordinate + 1.0) * half);
         let radius = disc.radius * half;
         let row_at = |y: f32| (y.max(0.0) as usize).min(rows);
@@ -63,35 +106,28 @@ impl Mask {
         let [x8, y8, radius8] = [x, y, radius].map(f32x8::splat);
         // As a product of sum and difference: a disc may be far larger than the square.
         let half_chord = |distance: f32x8| ((radius8 - distance) * (radius8 + distance)).max(f32x8::ZERO).sqrt();
-        for start in (first & !7..end).step_by(8) {
-            let bottom = f32x8::splat(start as f32) + f32x8::from([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
+        for group in first / 8..end.div_ceil(8) {
+            let bottom = f32x8::splat((8 * group) as f32) + f32x8::from([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
             let (below, above) = (bottom - y8, bottom + f32x8::ONE - y8);
             let far = below.abs().fast_max(above.abs());
             let near = below.fast_max(-above).fast_max(f32x8::ZERO);
             let (narrow, wide) = (half_chord(far), half_chord(near));
-            let columns = |low: f32x8, high: f32x8| (low.to_array(), high.to_array());
-            let (low, high) = columns((x8 - narrow).ceil(), (x8 + narrow).floor());
-            let (low_touched, high_touched) = columns((x8 - wide).floor(), (x8 + wide).ceil());
-            let (far, near) = (far.to_array(), near.to_array());
-            for lane in 0..8.min(rows - start) {
-                let row = start + lane;
-                if far[lane] < radius {
-                    self.covered[self.depth][row] |= columns_between(low[lane], high[lane], rows);
-                }
-                if near[lane] < radius {
-                    self.touched[row] |= columns_between(low_touched[lane], high_touched[lane], rows);
-                }
-            }
+            // A row that the disc doesn't reach has no columns.
+            let high = |distance: f32x8, high: f32x8| distance.simd_lt(radius8).select(high, f32x8::ZERO);
+            self.whole.add(group, (x8 - narrow).ceil(), high(far, (x8 + narrow).floor()), columns);
+            self.part.add(group, (x8 - wide).floor(), high(near, (x8 + wide).ceil()), columns);
         }
     }
 
     /// Counts what is touched as covered.
     pub(super) fn cover_touched(&mut self) {
-        self.covered[self.depth] = self.touched;
+        self.whole = self.part.clone();
     }
 
     /// Joins siblings, whose cells without light count as covered. Returns whether all that has light is covered.
     pub(super) fn join(&mut self, unlit: &Unlit) -> bool {
+        self.covered[self.depth] = self.whole.rows();
+        self.touched = self.part.rows();
         for level in (0..=self.depth).rev() {
             for row in 0..1 << level {
                 let joined = if level == self.depth {
@@ -127,19 +163,26 @@ impl Mask {
     }
 }
 
-/// How much of a finest cell discs cover, each as if its edge were straight there and independent of the others': [0, 1].
-pub(super) fn covered_fraction(cell: Cell, discs: &[Disc]) -> f32 {
-    let size = 2.0 / (1 << cell.level) as f32;
-    let [x, y] = [cell.column, cell.row].map(|i| (i as f32 + 0.5) * size - 1.0);
-    // The diameter of a disc as large as the cell.
-    let width = 1.128 * size;
-    let open = |disc: &Disc| {
-        let distance = (disc.center[0] - x).hypot(disc.center[1] - y);
+/// How much of eight cells of a level discs cover, each as if its edge were straight there and independent of the others':
+/// [0, 1].
+pub(super) fn covered_fractions(cells: &[Cell; 8], discs: &[Disc]) -> f32x8 {
+    let size = 2.0 / (1 << cells[0].level) as f32;
+    let middle = |place: &dyn Fn(&Cell) -> usize| {
+        f32x8::from(cells.each_ref().map(|cell| place(cell) as f32 + 0.5)) * f32x8::splat(size) - f32x8::ONE
+    };
+    let (x, y) = (middle(&|cell| cell.column), middle(&|cell| cell.row));
+    // By the diameter of a disc as large as the cell.
+    let per_width = (1.128 * size).recip();
+    let mut open = f32x8::ONE;
+    for disc in discs {
+        let (dx, dy) = (x - f32x8::splat(disc.center[0]), y - f32x8::splat(disc.center[1]));
+        let distance = dx.mul_add(dx, dy * dy).sqrt();
         // A disc smaller than the cell covers at most its own area.
         let most = (std::f32::consts::PI * disc.radius * disc.radius / (size * size)).min(1.0);
-        1.0 - (0.5 + (disc.radius - distance) / width).clamp(0.0, most)
-    };
-    1.0 - discs.iter().map(open).product::<f32>()
+        let covered = (f32x8::splat(disc.radius) - distance).mul_add(f32x8::splat(per_width), f32x8::splat(0.5));
+        open *= f32x8::ONE - covered.fast_max(f32x8::ZERO).fast_min(f32x8::splat(most));
+    }
+    f32x8::ONE - open
 }
 
 /// Cells outside the light's disc, level by level.
@@ -160,16 +203,6 @@ impl Unlit {
         }
         Self { levels }
     }
-}
-
-/// Bits from `low` to before `high`, both within `0..=count`.
-#[inline(always)]
-fn columns_between(low: f32, high: f32, count: usize) -> u64 {
-    let below = |column: f32| {
-        let column = (column.max(0.0) as usize).min(count);
-        if column >= 64 { u64::MAX } else { (1 << column) - 1 }
-    };
-    below(high) & !below(low)
 }
 
 /// Bits 0, 2, 4 and so on, side by side.
@@ -243,12 +276,13 @@ mod tests {
                 let mut mask = Mask::new(depth);
                 mask.clear();
                 discs.iter().for_each(|disc| mask.splat(disc));
+                let (whole, part) = (mask.whole.rows(), mask.part.rows());
                 for (row, column) in (0..1 << depth).flat_map(|row| (0..1 << depth).map(move |column| (row, column))) {
                     let cell = Cell { level: depth, column, row };
                     let covered = discs.iter().any(|disc| brute(cell, disc).0);
                     let touched = discs.iter().any(|disc| brute(cell, disc).1);
                     let bit = |rows: &Rows| rows[row] >> column & 1 == 1;
-                    differing += usize::from(covered != bit(&mask.covered[depth]) || touched != bit(&mask.touched));
+                    differing += usize::from(covered != bit(&whole) || touched != bit(&part));
                     found_covered += usize::from(covered);
                     found_touched += usize::from(touched);
                 }
@@ -266,7 +300,7 @@ mod tests {
             let mut mask = Mask::new(depth);
             mask.clear();
             discs(seed, 9).iter().for_each(|disc| mask.splat(disc));
-            let finest = mask.covered[depth];
+            let finest = mask.whole.rows();
             let unlit = Unlit::new(depth, |cell| cell.level == depth && cell.column + cell.row < 2);
             mask.join(&unlit);
             let mut rebuilt: Rows = [0; MOST_ROWS];
@@ -314,7 +348,8 @@ mod tests {
                 let (x, y) = (at(i % 64, cell.column), at(i / 64, cell.row));
                 (x - discs[0].center[0]).hypot(y - discs[0].center[1]) < discs[0].radius
             });
-            worst = worst.max((inside.count() as f32 / 4096.0 - covered_fraction(cell, &discs)).abs());
+            let found = covered_fractions(&[cell; 8], &discs).to_array()[seed as usize % 8];
+            worst = worst.max((inside.count() as f32 / 4096.0 - found).abs());
         }
         assert!(worst < 0.2, "{worst}");
     }

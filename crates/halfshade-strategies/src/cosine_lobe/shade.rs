@@ -5,7 +5,7 @@ use super::{
     blockers::{Ball, Receiver, Spheres},
     environment,
     lobes::{CellLobes, Shape},
-    mask::{Disc, Mask, covered_fraction},
+    mask::{Cell, Disc, Mask, covered_fractions},
     parameters::{Leaves, Order, Settings, Stage, Weights},
     reflectance::{Horizon, MOST_TERMS, Term, Terms},
     square::{Square, disc},
@@ -55,6 +55,7 @@ pub(super) struct Shading<'a> {
     nearer: Vec<Spheres>,
     discs: Vec<Disc>,
     mask: Mask,
+    partial: Vec<Cell>,
     lobes: CellLobes,
     highlight: CellLobes,
     around: environment::Work,
@@ -71,6 +72,7 @@ impl<'a> Shading<'a> {
             nearer: vec![Spheres::default(); moment.lights.len()],
             discs: Vec::new(),
             mask: Mask::new(settings.depth),
+            partial: Vec::new(),
             lobes: CellLobes::default(),
             highlight: CellLobes::default(),
             around: environment::Work::default(),
@@ -308,13 +310,18 @@ impl<'a> Shading<'a> {
         });
         if settings.leaves == Leaves::Fraction {
             let of_level = weight(settings.depth);
-            self.mask.each_partial(|cell| {
-                let fraction = covered_fraction(cell, &self.discs);
-                if fraction > 0.0 {
+            let partial = &mut self.partial;
+            partial.clear();
+            self.mask.each_partial(|cell| partial.push(cell));
+            for cells in partial.chunks(8) {
+                let mut eight = [cells[0]; 8];
+                eight[..cells.len()].copy_from_slice(cells);
+                let fractions = covered_fractions(&eight, &self.discs).to_array();
+                for (&cell, fraction) in cells.iter().zip(fractions).filter(|(_, fraction)| *fraction > 0.0) {
                     lobes.push(tables.cells.at(cell), cell.level, of_level * fraction, square, shape);
                     counts.lobes += 1;
                 }
-            });
+            }
         }
         lobes.flush(square, shape);
     }

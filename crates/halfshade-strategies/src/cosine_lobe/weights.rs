@@ -16,7 +16,7 @@
 
 use super::{
     lobes::{CellLobes, Shape},
-    mask::{Cell, Disc, MAX_DEPTH, Mask, covered_fraction},
+    mask::{Cell, Disc, MAX_DEPTH, Mask, covered_fractions},
     parameters::{Leaves, Settings, Weights},
     square::{Cells, Square},
 };
@@ -131,7 +131,7 @@ impl Finding<'_> {
         };
         mask.each_leaf(&self.cells.unlit, |cell| push(cell, 1.0));
         if self.settings.leaves == Leaves::Fraction {
-            mask.each_partial(|cell| push(cell, covered_fraction(cell, &[*disc])));
+            mask.each_partial(|cell| push(cell, covered_fractions(&[cell; 8], &[*disc]).to_array()[0]));
         }
         from_fn(|level| f64::from(self.hidden(light, &mut lobes[level], square)))
     }
