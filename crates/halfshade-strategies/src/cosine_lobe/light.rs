@@ -45,6 +45,14 @@ impl Light {
         matches!(self.place, Place::Near(ball) if ball.radius > 0.0)
     }
 
+    /// Its radius; for one infinitely far away, how wide its cone is where it has crossed `all`.
+    pub(super) fn half_width(&self, all: &Ball) -> f32 {
+        match self.place {
+            Place::Near(ball) => ball.radius,
+            Place::Far(_, sine) => all.radius * sine,
+        }
+    }
+
     /// A ball whose hull with that of the receivers holds whatever is in the way, of spheres that lie in `all`.
     pub(super) fn ball(&self, receivers: &Ball, all: &Ball) -> Ball {
         match self.place {

@@ -28,13 +28,20 @@ pub(super) struct CellLobes {
     size: [f32; 8],
     weight: [f32; 8],
     waiting: usize,
+    len: usize,
     lobes: Vec<Lobe8>,
 }
 
 impl CellLobes {
     pub(super) fn clear(&mut self) {
         self.waiting = 0;
+        self.len = 0;
         self.lobes.clear();
+    }
+
+    /// How many cells were added.
+    pub(super) fn len(&self) -> usize {
+        self.len
     }
 
     /// Adds a cell that counts `weight` times.
@@ -49,6 +56,7 @@ impl CellLobes {
         };
         self.weight[i] = weight;
         self.waiting += 1;
+        self.len += 1;
         if self.waiting == 8 {
             self.flush(square, shape);
         }

@@ -76,7 +76,9 @@ mod parameters;
 mod reflectance;
 mod sampled;
 mod shade;
+mod shared;
 mod square;
+mod visibility;
 mod weights;
 
 use blockers::{Ball, Body, Spheres, bodies};

@@ -4,6 +4,7 @@ use super::mask::MAX_DEPTH;
 use halfshade_scene::spheres::AdjustRule;
 use halfshade_sh::lobe::{CapFit, ProductRule};
 use halfshade_strategy::{Parameter, ParameterKind, Params};
+use std::hint::black_box;
 
 /// Which two of reflectance, light and visibility are multiplied first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,6 +67,7 @@ pub(super) struct Settings {
     pub(super) twice: Option<Stage>,
     pub(super) rule: AdjustRule,
     pub(super) threshold: f32,
+    pub(super) share: f32,
     pub(super) environment_lobes: usize,
     pub(super) environment_depth: usize,
 }
@@ -138,6 +140,11 @@ pub(super) fn all() -> Vec<Parameter> {
             kind: ParameterKind::Float { default: 1e-4, min: 0.0, max: 1.0 },
         },
         Parameter {
+            name: "share",
+            summary: "side of the cubes of space whose receivers share masks, in radii of the light; 0 shares none",
+            kind: ParameterKind::Float { default: 0.0, min: 0.0, max: 1.0 },
+        },
+        Parameter {
             name: "env-lobes",
             summary: "lobes fitted to an environment map, beside a constant",
             kind: ParameterKind::Integer { default: 16, min: 0, max: 64 },
@@ -191,8 +198,17 @@ impl Settings {
                 _ => AdjustRule::Continuous,
             },
             threshold: params.float("threshold") as f32,
+            share: params.float("share") as f32,
             environment_lobes: params.integer("env-lobes") as usize,
             environment_depth: params.integer("env-depth") as usize,
         }
+    }
+    /// One stage of the work, as often as is asked for. What it leaves is the same.
+    #[inline(always)]
+    pub(super) fn stage<T>(&self, stage: Stage, mut work: impl FnMut() -> T) -> T {
+        if self.twice == Some(stage) {
+            black_box(work());
+        }
+        work()
     }
 }

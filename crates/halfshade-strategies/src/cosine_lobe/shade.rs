@@ -4,20 +4,19 @@ use super::{
     Moment, Tables,
     blockers::{Ball, Receiver, Spheres},
     environment,
+    light::Light,
     lobes::{CellLobes, Shape},
-    mask::{Cell, Disc, Mask, covered_fractions},
-    parameters::{Leaves, Order, Settings, Stage, Weights},
+    parameters::{Order, Settings, Stage},
     reflectance::{Horizon, MOST_TERMS, Term, Terms},
-    square::{Square, disc},
+    shared::{Cubes, Masks},
+    square::Square,
+    visibility::{Hidden, Visibility},
     weights::light_lobe,
 };
 use glam::Vec3;
 use halfshade_scene::{RadianceMut, Receivers, light::cap_irradiance};
 use halfshade_sh::lobe::Lobe8;
-use std::{
-    f32::consts::{FRAC_1_PI, FRAC_PI_2},
-    hint::black_box,
-};
+use std::f32::consts::{FRAC_1_PI, FRAC_PI_2};
 use wide::f32x8;
 
 /// Receivers for which the spheres in the way of a light are looked up together, and those for whom they are looked up
@@ -38,42 +37,42 @@ pub(super) struct Counts {
     pub(super) lobes: u64,
 }
 
-/// How much of a light spheres hide.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Hidden {
-    Nothing,
-    Part,
-    All,
-}
-
 /// Working memory of one call.
 pub(super) struct Shading<'a> {
     settings: &'a Settings,
     tables: &'a Tables,
     moment: &'a Moment,
-    between: Vec<Spheres>,
-    nearer: Vec<Spheres>,
-    discs: Vec<Disc>,
-    mask: Mask,
-    partial: Vec<Cell>,
-    lobes: CellLobes,
+    before: Vec<Before>,
+    visibility: Visibility<'a>,
+    masks: Masks,
     highlight: CellLobes,
     around: environment::Work,
     pub(super) counts: Counts,
 }
 
+/// What is before one light.
+#[derive(Debug, Clone)]
+struct Before {
+    /// Spheres in the way of a group of receivers, and of a subgroup.
+    group: Spheres,
+    subgroup: Spheres,
+    cubes: Option<Cubes>,
+}
+
 impl<'a> Shading<'a> {
     pub(super) fn new(settings: &'a Settings, tables: &'a Tables, moment: &'a Moment) -> Self {
+        let before = |light: &Light| Before {
+            group: Spheres::default(),
+            subgroup: Spheres::default(),
+            cubes: Cubes::new(settings.share * light.half_width(&moment.ball)),
+        };
         Self {
             settings,
             tables,
             moment,
-            between: vec![Spheres::default(); moment.lights.len()],
-            nearer: vec![Spheres::default(); moment.lights.len()],
-            discs: Vec::new(),
-            mask: Mask::new(settings.depth),
-            partial: Vec::new(),
-            lobes: CellLobes::default(),
+            before: moment.lights.iter().map(before).collect(),
+            visibility: Visibility::new(settings, tables),
+            masks: Masks::new(settings.share > 0.0),
             highlight: CellLobes::default(),
             around: environment::Work::default(),
             counts: Counts::default(),
@@ -81,16 +80,16 @@ impl<'a> Shading<'a> {
     }
 
     pub(super) fn run(&mut self, receivers: Receivers<'_>, mut out: RadianceMut<'_>) {
-        let moment = self.moment;
+        let (settings, moment) = (self.settings, self.moment);
         let mut positions = [[0.0; 3]; GROUP];
         for start in (0..receivers.len()).step_by(GROUP) {
             let count = (receivers.len() - start).min(GROUP);
             for (i, position) in positions[..count].iter_mut().enumerate() {
                 *position = moment.local(receivers.position_at(start + i));
             }
-            self.stage(Stage::Mask, |it| it.keep_between(&positions[..count]));
+            settings.stage(Stage::Mask, || self.keep_between(&positions[..count]));
             for (subgroup, positions) in positions[..count].chunks(SUBGROUP).enumerate() {
-                self.stage(Stage::Mask, |it| it.keep_nearer(positions));
+                settings.stage(Stage::Mask, || self.keep_nearer(positions));
                 let start = start + SUBGROUP * subgroup;
                 for (i, &position) in positions.iter().enumerate() {
                     let receiver = Receiver { position, normal: receivers.normal_at(start + i).to_array() };
@@ -103,28 +102,28 @@ impl<'a> Shading<'a> {
     /// The spheres between points and each light.
     fn keep_between(&mut self, points: &[[f32; 3]]) {
         let moment = self.moment;
-        let ball = Ball::around(points);
-        for (light, between) in moment.lights.iter().zip(&mut self.between) {
-            moment.spheres.keep_between(&ball, &light.ball(&ball, &moment.ball), between);
+        for (light, before) in moment.lights.iter().zip(&mut self.before) {
+            let ball = before.receivers(points);
+            moment.spheres.keep_between(&ball, &light.ball(&ball, &moment.ball), &mut before.group);
         }
     }
 
     /// Those of them between some of the points and each light.
     fn keep_nearer(&mut self, points: &[[f32; 3]]) {
         let moment = self.moment;
-        let ball = Ball::around(points);
-        for ((light, between), nearer) in moment.lights.iter().zip(&self.between).zip(&mut self.nearer) {
-            between.keep_between(&ball, &light.ball(&ball, &moment.ball), nearer);
+        for (light, before) in moment.lights.iter().zip(&mut self.before) {
+            let ball = before.receivers(points);
+            before.group.keep_between(&ball, &light.ball(&ball, &moment.ball), &mut before.subgroup);
         }
     }
 
     fn radiance(&mut self, receivers: &Receivers<'_>, i: usize, receiver: &Receiver) -> Vec3 {
-        let moment = self.moment;
+        let (settings, tables, moment) = (self.settings, self.tables, self.moment);
         let terms =
-            self.stage(Stage::Reflectance, |it| Terms::of(receivers, i, moment.eye_lobes.as_ref(), it.tables.products));
+            settings.stage(Stage::Reflectance, || Terms::of(receivers, i, moment.eye_lobes.as_ref(), tables.products));
         let mut radiance = (0..moment.lights.len()).map(|light| self.reflected(receiver, &terms, light)).sum();
         if let Some(surroundings) = &moment.surroundings {
-            let (rule, table) = (self.settings.rule, self.tables.products);
+            let (rule, table) = (settings.rule, tables.products);
             radiance += surroundings.reflected(receiver, &terms, &moment.spheres, rule, table, &mut self.around);
         }
         radiance
@@ -132,7 +131,7 @@ impl<'a> Shading<'a> {
 
     /// What a receiver reflects of one light.
     fn reflected(&mut self, receiver: &Receiver, terms: &Terms, number: usize) -> Vec3 {
-        let light = &self.moment.lights[number];
+        let (settings, light) = (self.settings, &self.moment.lights[number]);
         let Some(square) = light.square(receiver.position) else {
             // From within a light everything is light, and nothing is between.
             let all = terms.iter().map(|term| term.lobe.integral().to_array()[0] * term.color).sum::<Vec3>();
@@ -143,9 +142,9 @@ impl<'a> Shading<'a> {
             return Vec3::ZERO;
         }
         let mut factors = [(Lobe8::splat(&NOTHING), 0.0); MOST_TERMS];
-        self.stage(Stage::Light, |it| {
+        settings.stage(Stage::Light, || {
             for (term, factor) in terms.iter().zip(&mut factors) {
-                *factor = it.unblocked(term, &square, above);
+                *factor = self.unblocked(term, &square, above);
             }
         });
         let sum = |hidden: &dyn Fn(usize) -> f32| {
@@ -156,18 +155,52 @@ impl<'a> Shading<'a> {
         if all == Vec3::ZERO {
             return Vec3::ZERO;
         }
-        match self.stage(Stage::Mask, |it| it.find_mask(receiver, &square, number)) {
+        let slot = self.find(receiver, &square, number);
+        match self.masks.at(slot).hidden {
             Hidden::Nothing => return all,
             Hidden::All => return Vec3::ZERO,
-            Hidden::Part => self.counts.masks += 1,
+            Hidden::Part => {}
         }
-        self.stage(Stage::MaskLobes, |it| it.find_lobes(&square));
-        let hidden = self.stage(Stage::Integrals, |it| it.hidden(terms, &factors, &square));
+        let hidden = settings.stage(Stage::Integrals, || self.hidden(terms, &factors, &square, slot));
         sum(&|i| hidden[i])
     }
 
-    /// What the mask hides of each term, as [`Self::unblocked`] has it.
-    fn hidden(&mut self, terms: &Terms, factors: &[(Lobe8, f32); MOST_TERMS], square: &Square) -> [f32; MOST_TERMS] {
+    /// Finds what hides the light from a receiver, unless that was found for a neighbour, and where it is kept.
+    fn find(&mut self, receiver: &Receiver, square: &Square, number: usize) -> usize {
+        let before = &self.before[number];
+        let key = before.cubes.map(|cubes| cubes.key(receiver, number));
+        let (slot, is_known) = self.masks.slot(key);
+        if is_known {
+            return slot;
+        }
+        let seen = match before.cubes.zip(key) {
+            None => Some((*receiver, *square)),
+            Some((cubes, key)) => {
+                let place = cubes.place(&key);
+                self.moment.lights[number].square(place.position).map(|square| (place, square))
+            }
+        };
+        let entry = self.masks.at_mut(slot);
+        // From within the light nothing is hidden.
+        entry.hidden = seen.map_or(Hidden::Nothing, |(receiver, square)| {
+            self.visibility.find(&receiver, &square, &before.subgroup, &mut entry.lobes)
+        });
+        if entry.hidden == Hidden::Part {
+            self.counts.masks += 1;
+            self.counts.lobes += entry.lobes.len() as u64;
+        }
+        slot
+    }
+
+    /// What a mask hides of each term, as [`Self::unblocked`] has it.
+    fn hidden(
+        &mut self,
+        terms: &Terms,
+        factors: &[(Lobe8, f32); MOST_TERMS],
+        square: &Square,
+        slot: usize,
+    ) -> [f32; MOST_TERMS] {
+        let lobes = &self.masks.at(slot).lobes;
         // Of the brightest channel.
         let strength = |color: Vec3| color.max_element();
         let total: f32 = terms.iter().zip(factors).map(|(term, factor)| strength(term.color) * factor.1).sum();
@@ -179,11 +212,11 @@ impl<'a> Shading<'a> {
                     // A leaf's share of a diffuse surface's light is its solid angle: nothing is small beside the others.
                     let tests = self.settings.threshold > 0.0 && (term.horizon != Horizon::Diffuse || published);
                     let limit = tests.then(|| self.settings.threshold * total / strength(term.color));
-                    self.lobes.integral(factor, self.tables.products, limit, &mut self.counts.products)
+                    lobes.integral(factor, self.tables.products, limit, &mut self.counts.products)
                 }
                 Some(sampler) => {
                     let light = published.then(|| light_lobe(square, &self.tables.caps));
-                    sampler.sum(factor, light.as_ref(), &self.lobes)
+                    sampler.sum(factor, light.as_ref(), lobes)
                 }
             };
         }
@@ -239,91 +272,13 @@ impl<'a> Shading<'a> {
             Some(sampler) => sampler.sum(lobe, None, &self.highlight),
         }
     }
+}
 
-    /// One stage of the work, as often as is asked for. What it leaves is the same.
-    #[inline(always)]
-    fn stage<T>(&mut self, stage: Stage, mut work: impl FnMut(&mut Self) -> T) -> T {
-        if self.settings.twice == Some(stage) {
-            black_box(work(self));
-        }
-        work(self)
-    }
-
-    /// The cells that the spheres in the way cover.
-    fn find_mask(&mut self, receiver: &Receiver, square: &Square, light: usize) -> Hidden {
-        if !self.find_discs(receiver, square, light) {
-            return Hidden::All;
-        }
-        if self.discs.is_empty() {
-            return Hidden::Nothing;
-        }
-        self.mask.clear();
-        self.discs.iter().for_each(|disc| self.mask.splat(disc));
-        if self.settings.leaves == Leaves::Conservative {
-            self.mask.cover_touched();
-        }
-        if self.mask.join(&self.tables.cells.unlit) { Hidden::All } else { Hidden::Part }
-    }
-
-    /// The spheres in the way. `false` if one of them hides the light.
-    fn find_discs(&mut self, receiver: &Receiver, square: &Square, light: usize) -> bool {
-        self.discs.clear();
-        for (center, radius) in self.nearer[light].groups() {
-            let (offset, radius) = receiver.adjusted(&center, radius, self.settings.rule);
-            let (found, meets) = square.splat(&offset, radius);
-            let mut bits = meets.to_bitmask();
-            if bits == 0 {
-                continue;
-            }
-            let [x, y, r] = found.map(f32x8::to_array);
-            while bits != 0 {
-                let lane = bits.trailing_zeros() as usize;
-                let (disc, hides) = disc(x[lane], y[lane], r[lane]);
-                if hides {
-                    return false;
-                }
-                self.discs.push(disc);
-                bits &= bits - 1;
-            }
-        }
-        true
-    }
-
-    /// The lobes of the mask.
-    fn find_lobes(&mut self, square: &Square) {
-        let (settings, tables) = (self.settings, self.tables);
-        let shape = match (settings.order, settings.weights) {
-            (Order::LightFirst, _) => Shape::Part,
-            (Order::Published, Weights::Fitted | Weights::Umbra) => Shape::Bounding(&tables.caps),
-            (Order::Published, Weights::SolidAngle) => Shape::SolidAngle(&tables.caps),
-        };
-        let distance = square.distance();
-        let weight = |level: usize| match settings.order {
-            Order::LightFirst => 1.0,
-            Order::Published => tables.weights.at(level, distance),
-        };
-        self.lobes.clear();
-        let (lobes, counts) = (&mut self.lobes, &mut self.counts);
-        self.mask.each_leaf(&tables.cells.unlit, |cell| {
-            lobes.push(tables.cells.at(cell), cell.level, weight(cell.level), square, shape);
-            counts.lobes += 1;
-        });
-        if settings.leaves == Leaves::Fraction {
-            let of_level = weight(settings.depth);
-            let partial = &mut self.partial;
-            partial.clear();
-            self.mask.each_partial(|cell| partial.push(cell));
-            for cells in partial.chunks(8) {
-                let mut eight = [cells[0]; 8];
-                eight[..cells.len()].copy_from_slice(cells);
-                let fractions = covered_fractions(&eight, &self.discs).to_array();
-                for (&cell, fraction) in cells.iter().zip(fractions).filter(|(_, fraction)| *fraction > 0.0) {
-                    lobes.push(tables.cells.at(cell), cell.level, of_level * fraction, square, shape);
-                    counts.lobes += 1;
-                }
-            }
-        }
-        lobes.flush(square, shape);
+impl Before {
+    /// A ball around receivers, and the places whose masks they share.
+    fn receivers(&self, points: &[[f32; 3]]) -> Ball {
+        let ball = Ball::around(points);
+        Ball { radius: ball.radius + self.cubes.map_or(0.0, |cubes| cubes.reach()), ..ball }
     }
 }
 
