@@ -27,6 +27,15 @@ pub(super) struct Cells8 {
     pub(super) flux: [f32x8; 3],
 }
 
+impl Cells8 {
+    /// Cosine between each direction and an axis.
+    #[inline(always)]
+    pub(super) fn cosine(&self, axis: &[f32x8; 3]) -> f32x8 {
+        let ([x, y, z], [dx, dy, dz]) = (axis, &self.direction);
+        x.mul_add(*dx, y.mul_add(*dy, *z * *dz))
+    }
+}
+
 /// The cells of both hemispheres, one after the other, in the order of their covers.
 pub(super) fn cells(side: usize, light: &LobeSum) -> [Vec<Cells8>; 2] {
     FRAMES.map(|frame| {

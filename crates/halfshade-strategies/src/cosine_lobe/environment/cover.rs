@@ -44,19 +44,21 @@ impl Cover {
         // A disc covers at most its own area.
         let most = f32x8::splat((PI * radius * radius).min(1.0));
         let slope = (2.0 * radius.clamp(SMALLEST, cell)).recip();
-        let row_at = |y: f32| (y.max(0.0) as usize).min(self.side);
         let groups = self.side / 8;
-        for row in row_at((y - reach).ceil())..row_at((y + reach).floor() + 1.0) {
+        let cell_at = |place: f32| (place.max(0.0) as usize).min(self.side);
+        let rows = cell_at((y - reach).ceil())..cell_at((y + reach).floor() + 1.0);
+        // The same groups in every row: most discs are small, and a root per row would cost more than what it left out.
+        let columns = cell_at((x - reach).ceil()) / 8..cell_at((x + reach).floor() + 1.0).div_ceil(8);
+        let first = f32x8::splat((8 * columns.start) as f32 - x) + LANES;
+        for row in rows {
             let dy = row as f32 - y;
-            let chord = ((reach - dy) * (reach + dy)).max(0.0).sqrt();
-            let group_at = |x: f32| ((x.max(0.0) as usize) / 8).min(groups);
-            for group in group_at(x - chord)..group_at(x + chord + 8.0) {
-                let dx = f32x8::splat((8 * group) as f32 - x) + LANES;
+            let mut dx = first;
+            for open in &mut self.open[row * groups..][columns.clone()] {
                 let distance = dx.mul_add(dx, f32x8::splat(dy * dy)).sqrt();
                 let covered = (f32x8::splat(reach) - distance) * f32x8::splat(slope);
                 let covered = covered.fast_max(f32x8::ZERO).fast_min(f32x8::ONE) * most;
-                let open = &mut self.open[row * groups + group];
                 *open = covered.mul_neg_add(*open, *open);
+                dx += f32x8::splat(8.0);
             }
         }
     }

@@ -31,7 +31,11 @@ use cover::Cover;
 use glam::{Quat, Vec3};
 use halfshade_scene::{Environment, light::DistantLight, spheres::AdjustRule};
 use halfshade_sh::lobe::{ColoredLobe, Lobe8, LobeSum, LobeTable};
+use std::f32::consts::FRAC_1_SQRT_2;
 use wide::f32x8;
+
+/// What of a lobe's peak counts as nothing.
+const NEGLIGIBLE: f32 = 1e-6;
 
 /// An environment without its sun as lobes and cells, in its own frame.
 #[derive(Debug)]
@@ -145,7 +149,10 @@ impl Surroundings {
             radiance += if is_blocked {
                 let open = match term.horizon {
                     Horizon::Diffuse => self.open_part(work, |cells| cosine(&term.lobe, cells)),
-                    Horizon::Cosine | Horizon::None => self.open_part(work, |cells| mean(&lobe, cells, table)),
+                    Horizon::Cosine | Horizon::None => {
+                        let least = self.least_cosine(&lobe);
+                        self.open_part(work, |cells| mean(&lobe, cells, table, least))
+                    }
                 };
                 unblocked * open
             } else {
@@ -191,13 +198,20 @@ impl Surroundings {
         Vec3::from(sums.map(f32x8::reduce_add)) + self.uniform * lobe.integral().to_array()[0]
     }
 
-    /// What part of the light, weighted, is open, for each channel.
+    /// Cosine to a lobe's axis below which the lobe is negligible all over a cell.
+    fn least_cosine(&self, lobe: &Lobe8) -> f32 {
+        let exponent = lobe.exponent.to_array()[0];
+        // A cell is 4/side wide at most, and reaches half a diagonal from its middle.
+        (NEGLIGIBLE.ln() / exponent.max(f32::MIN_POSITIVE)).exp() - FRAC_1_SQRT_2 * 4.0 / self.side as f32
+    }
+
+    /// What part of the light, weighted, is open, for each channel. Cells without a weight are left out.
     #[inline(always)]
-    fn open_part(&self, work: &Work, weight: impl Fn(&Cells8) -> f32x8) -> Vec3 {
+    fn open_part(&self, work: &Work, weight: impl Fn(&Cells8) -> Option<f32x8>) -> Vec3 {
         let (mut open_sums, mut sums) = ([f32x8::ZERO; 3], [f32x8::ZERO; 3]);
         for (cover, half) in work.covers.iter().zip(&self.cells) {
             for (open, cells) in cover.open().iter().zip(half) {
-                let weight = weight(cells);
+                let Some(weight) = weight(cells) else { continue };
                 for ((open_sum, sum), flux) in open_sums.iter_mut().zip(&mut sums).zip(&cells.flux) {
                     let light = weight * *flux;
                     *sum += light;
@@ -224,19 +238,19 @@ fn above_horizon(term: &Term, receiver: &Receiver, table: &LobeTable) -> Lobe8 {
     }
 }
 
-/// The clamped cosine in the direction of each cell.
+/// The clamped cosine in the direction of each cell; `None` if all are below the horizon.
 #[inline(always)]
-fn cosine(lobe: &Lobe8, cells: &Cells8) -> f32x8 {
-    let [x, y, z] = lobe.axis;
-    let [dx, dy, dz] = cells.direction;
-    x.mul_add(dx, y.mul_add(dy, z * dz)).fast_max(f32x8::ZERO)
+fn cosine(lobe: &Lobe8, cells: &Cells8) -> Option<f32x8> {
+    let cosine = cells.cosine(&lobe.axis);
+    cosine.simd_gt(f32x8::ZERO).any().then(|| cosine.fast_max(f32x8::ZERO))
 }
 
-/// The mean of a lobe about each cell.
+/// The mean of a lobe about each cell; `None` if all are farther from its axis than the `least` cosine.
 #[inline(always)]
-fn mean(lobe: &Lobe8, cells: &Cells8, table: &LobeTable) -> f32x8 {
+fn mean(lobe: &Lobe8, cells: &Cells8, table: &LobeTable, least: f32) -> Option<f32x8> {
     let part = Lobe8 { axis: cells.direction, exponent: cells.exponent, scale: cells.per_solid_angle };
-    table.product_integral8(lobe, &part)
+    let is_near = cells.cosine(&lobe.axis).simd_gt(f32x8::splat(least)).any();
+    is_near.then(|| table.product_integral8(lobe, &part))
 }
 
 fn gathered(lobes: &[ColoredLobe]) -> Lobes8 {
