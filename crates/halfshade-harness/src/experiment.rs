@@ -100,7 +100,7 @@ pub struct Experiment {
 pub struct SceneEntry {
     /// A built-in name, or a file relative to the experiment.
     pub name: Spanned<String>,
-    /// Light for a mesh file: `sky`, `constant` or an image; must be left out otherwise.
+    /// Light for a mesh file: `sky`, `constant` or an image; must be left out otherwise. The scene's name says which.
     pub environment: Option<String>,
     /// Frames, if other than the experiment's.
     pub frames: Option<Vec<usize>>,

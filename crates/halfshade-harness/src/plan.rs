@@ -98,10 +98,9 @@ impl Plan {
         for entry in &experiment.scenes {
             let mut scene = scene_source::resolve(entry.name.get_ref(), folder, entry.environment.as_deref())
                 .map_err(|error| experiment.error_at(entry.name.span().start, error.to_string()))?;
-            if scenes.iter().any(|(other, _)| other.name == scene.name) {
-                return Err(
-                    experiment.error_at(entry.name.span().start, format!("scene `{}` is listed twice", scene.name))
-                );
+            if let Some(light) = &entry.environment {
+                let light = light.rsplit(['/', '\\']).next().unwrap_or(light);
+                scene.name = format!("{}, {light}", scene.name);
             }
             if let Some(bounces) = &entry.bounces {
                 scene.bounces = *bounces.get_ref();
@@ -116,6 +115,11 @@ impl Plan {
             }
             if let Some(count) = entry.spheres {
                 share_out_spheres(&mut scene, count.get());
+            }
+            if scenes.iter().any(|(other, _)| other.name == scene.name) {
+                return Err(
+                    experiment.error_at(entry.name.span().start, format!("scene `{}` is listed twice", scene.name))
+                );
             }
             let mut frames = entry.frames.clone().unwrap_or_else(|| experiment.frames.clone());
             if let Some(past) = frames.iter().find(|frame| **frame >= scene.frame_count.max(1)) {

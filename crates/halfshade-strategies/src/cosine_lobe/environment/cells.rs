@@ -10,6 +10,9 @@ use wide::f32x8;
 /// Points along a side of a cell, at which light is looked up.
 const STEPS: usize = 8;
 
+/// Flux that counts as none: small enough for any light, and far from subnormal when it is weighted.
+const DARK: f32 = 1e-30;
+
 /// The axes of both squares, at right angles: about the zenith, and about the nadir.
 pub(super) const FRAMES: [[[f32; 3]; 3]; 2] =
     [[[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]], [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]];
@@ -75,6 +78,8 @@ fn cell(side: usize, cell: usize, square: &Square, light: &LobeSum) -> CellLight
         middle += part * direction;
         bright_middle += part * radiance.element_sum() * direction;
     }
+    // What is left of a sharp lobe far from its axis may be subnormal, which is slow to multiply.
+    let flux = Vec3::select(flux.cmplt(Vec3::splat(DARK)), Vec3::ZERO, flux);
     let direction = bright_middle.try_normalize().unwrap_or_else(|| middle.normalize_or(Vec3::Y));
     CellLight { direction, solid_angle, flux }
 }
