@@ -69,6 +69,11 @@ pub struct Plan {
 }
 
 impl Plan {
+    /// Whether the variant at a place is compared with another one.
+    pub fn is_compared(&self, place: usize) -> bool {
+        self.pairs.iter().chain(&self.difference).flatten().any(|compared| *compared == place)
+    }
+
     /// Loads and checks everything, so that mistakes show before any work is done.
     pub fn new(experiment: &Experiment, strategies: &[Box<dyn Strategy>], quick: bool) -> Result<Self, HarnessError> {
         let variants = variant::sweep(experiment, strategies)?;

@@ -24,7 +24,7 @@ use halfshade_scene::{Frame, Progress, RadianceBuffer, ReceiverBuffer, Scene, ca
 use halfshade_strategy::{Baked, Effects, Strategy, StrategyError};
 use halfshade_truth::Tracer;
 use std::{
-    collections::HashMap,
+    collections::{BTreeMap, HashMap},
     path::{Path, PathBuf},
 };
 
@@ -247,7 +247,9 @@ impl Session<'_> {
         self.reference_rows(scene, &blank, &references, results);
 
         let mut ready = Vec::new();
-        for variant in &self.plan.variants {
+        // Of variants that are compared with each other, by place.
+        let mut shaded = BTreeMap::new();
+        for (place, variant) in self.plan.variants.iter().enumerate() {
             let run = blank(variant);
             let key = run.key();
             let scored = self.known.scored.get(&key).cloned();
@@ -281,29 +283,39 @@ impl Session<'_> {
             if let (Some(baked), true) = (baked, self.plan.timing.is_some() && self.options.out.is_some()) {
                 ready.push(Ready { key, baked });
             }
+            if self.plan.is_compared(place) {
+                shaded.insert(place, radiance);
+            }
         }
         self.time(scene, &frame, &receivers, &mut ready)?;
         let difference = format!("{} {index} {kind} difference", scene.name);
-        if let (Some(projection), Some(pair)) = (&projection, self.plan.difference)
-            && !self.known.pictured.contains_key(&difference)
-        {
-            let [a, b] = pair.map(|place| &self.plan.variants[place]);
-            let picture = |radiance: Option<RadianceBuffer>| radiance.map(|it| projection.picture(&it, Vec3::ZERO));
-            let shaded = |variant| self.score(&frame, receivers.view(), variant, blank(variant), &references).2;
-            if let (Some(first), Some(second)) = (picture(shaded(a)), picture(shaded(b))) {
-                let label = format!("{DIFFERENCE_FACTOR} times the difference: {} and {}", a.label, b.label);
-                let picture = first.magnified_difference(&second, DIFFERENCE_FACTOR);
-                let files = self.write_pictures(scene, index, &label, &picture, None, exposure)?;
-                let similarity = Similarity::default();
-                self.append(Entry::Pictured { key: Some(difference.clone()), files: files.clone(), similarity })?;
-                self.known.pictured.insert(difference.clone(), (files, similarity));
-            }
+        let to_draw =
+            self.plan.difference.filter(|_| projection.is_some() && !self.known.pictured.contains_key(&difference));
+        for place in self.plan.pairs.iter().chain(&to_draw).flatten().copied() {
+            let variant = &self.plan.variants[place];
+            shaded
+                .entry(place)
+                .or_insert_with(|| self.score(&frame, receivers.view(), variant, blank(variant), &references).2);
         }
-
-        for [a, b] in self.plan.pairs.iter().map(|pair| pair.map(|place| &self.plan.variants[place])) {
-            let shaded = |variant| self.score(&frame, receivers.view(), variant, blank(variant), &references).2;
-            let (Some(first), Some(second)) = (shaded(a), shaded(b)) else { continue };
-            results.differences.extend(difference_between(first, second, blank(a), blank(b)));
+        let both = |[a, b]: [usize; 2]| shaded.get(&a)?.as_ref().zip(shaded.get(&b)?.as_ref());
+        if let (Some(projection), Some(pair)) = (&projection, to_draw)
+            && let Some((first, second)) = both(pair)
+        {
+            let [a, b] = pair.map(|place| &self.plan.variants[place].label);
+            let label = format!("{DIFFERENCE_FACTOR} times the difference: {a} and {b}");
+            let [first, second] = [first, second].map(|radiance| projection.picture(radiance, Vec3::ZERO));
+            let picture = first.magnified_difference(&second, DIFFERENCE_FACTOR);
+            let files = self.write_pictures(scene, index, &label, &picture, None, exposure)?;
+            self.append(Entry::Pictured {
+                key: Some(difference.clone()),
+                files: files.clone(),
+                similarity: Similarity::default(),
+            })?;
+            self.known.pictured.insert(difference.clone(), (files, Similarity::default()));
+        }
+        for &pair in &self.plan.pairs {
+            let [a, b] = pair.map(|place| blank(&self.plan.variants[place]));
+            results.differences.extend(both(pair).and_then(|(first, second)| difference_between(first, second, a, b)));
         }
 
         results.pictures.extend(
@@ -370,7 +382,7 @@ impl Session<'_> {
             results.runs.push(Run {
                 strategy: "reference".into(),
                 label: format!("reference: {kind}"),
-                params: std::collections::BTreeMap::from([("reference".to_owned(), kind.to_string().into())]),
+                params: BTreeMap::from([("reference".to_owned(), kind.to_string().into())]),
                 status: Status::Ok,
                 error: Some(figures(ReferenceKind::Mesh, scene, metrics)),
                 truth: Some(truth_figures(&both, *samples, mesh)),
@@ -568,11 +580,11 @@ fn figures(kind: ReferenceKind, scene: &Scene, metrics: Metrics) -> ErrorFigures
 }
 
 /// `None` if there is nothing to compare.
-fn difference_between(first: RadianceBuffer, second: RadianceBuffer, a: Run, b: Run) -> Option<Difference> {
-    let mean = mean(&second);
+fn difference_between(first: &RadianceBuffer, second: &RadianceBuffer, a: Run, b: Run) -> Option<Difference> {
+    let mean = mean(second);
     let exact = RadianceBuffer::zeros(second.len());
-    let reference = Reference { radiance: second, standard_error: exact, unshadowed_mean: mean };
-    let Metrics { bias, mae, max, .. } = compare(&first, &reference)?;
+    let reference = Reference { radiance: second.clone(), standard_error: exact, unshadowed_mean: mean };
+    let Metrics { bias, mae, max, .. } = compare(first, &reference)?;
     let Run { scene, frame, receivers, label: first, .. } = a;
     Some(Difference { scene, frame, receivers, first, second: b.label, mean, bias, mae, max })
 }
@@ -635,10 +647,10 @@ mod tests {
     fn two_strategies_differ_by_what_lies_between_them() {
         let blank = |label: &str| Run { label: label.into(), ..crate::results::tests::example().runs[0].clone() };
         let buffer = |values: [f32; 2]| RadianceBuffer { channels: std::array::from_fn(|_| values.to_vec()) };
-        let found = difference_between(buffer([1.0, 3.0]), buffer([2.0, 2.5]), blank("a"), blank("b")).unwrap();
+        let found = difference_between(&buffer([1.0, 3.0]), &buffer([2.0, 2.5]), blank("a"), blank("b")).unwrap();
         assert_eq!((found.first.as_str(), found.second.as_str(), found.scene.as_str()), ("a", "b", "vases"));
         assert_eq!((found.mean, found.bias, found.mae, found.max), (2.25, -0.25, 0.75, 1.0));
-        assert!(difference_between(buffer([1.0, 3.0]), RadianceBuffer::zeros(0), blank("a"), blank("b")).is_none());
+        assert!(difference_between(&buffer([1.0, 3.0]), &RadianceBuffer::zeros(0), blank("a"), blank("b")).is_none());
     }
 
     #[test]

@@ -16,7 +16,7 @@
 
 use super::nonnegative::nonnegative_least_squares;
 use super::{Lobe, Lobe8, LobeTable};
-use crate::basis::dot;
+use crate::{basis::dot, quadrature::golden_spiral};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
@@ -175,7 +175,7 @@ impl<'a> Fit<'a> {
     fn new(table: &'a LobeTable, radiance: Vec<[f64; 3]>) -> Self {
         let directions: Vec<[f64; 3]> = (0..CELLS).map(direction).collect();
         let weights: Vec<f64> = (0..CELLS).map(|i| (solid_angle(i) / (4.0 * PI)).sqrt()).collect();
-        let normals: Vec<[f64; 3]> = spiral(NORMALS).collect();
+        let normals: Vec<[f64; 3]> = golden_spiral(NORMALS).collect();
         let target = std::array::from_fn(|channel| {
             let value = |i: usize| radiance[i][channel];
             let cells = (0..CELLS).map(|i| (weights[i] * value(i)) as f32);
@@ -206,7 +206,7 @@ impl<'a> Fit<'a> {
             scales: vec![[0.0; 3]],
         };
         let ladder: Vec<Shape> =
-            spiral(AXES).flat_map(|axis| EXPONENTS.map(|exponent| Shape { axis, exponent })).collect();
+            golden_spiral(AXES).flat_map(|axis| EXPONENTS.map(|exponent| Shape { axis, exponent })).collect();
         fit.candidates = ladder.into_par_iter().map(|shape| (shape, fit.column(&shape))).collect();
         fit.solve(1.0);
         fit
@@ -331,16 +331,6 @@ fn solid_angle(cell: usize) -> f64 {
     TAU / COLUMNS as f64 * (edge(cell / COLUMNS) - edge(cell / COLUMNS + 1))
 }
 
-/// Unit directions of equal areas.
-fn spiral(count: usize) -> impl Iterator<Item = [f64; 3]> {
-    (0..count).map(move |i| {
-        let y = 1.0 - (2.0 * i as f64 + 1.0) / count as f64;
-        let (sine, cosine) = (PI * (3.0 - 5f64.sqrt()) * i as f64).sin_cos();
-        let across = (1.0 - y * y).sqrt();
-        [across * cosine, y, across * sine]
-    })
-}
-
 /// The image's mean over each cell of the grid, by the solid angle that each texel has in it.
 fn averaged(width: usize, height: usize, texels: &[[f32; 3]]) -> Vec<[f64; 3]> {
     let rows = overlaps(height, ROWS, |t| -(PI * t).cos());
@@ -431,13 +421,13 @@ mod tests {
         let sum = LobeSum::fit(count, 256, 128, &texels, &TABLE).unwrap();
         assert!(sum.lobes.len() <= count);
         let (mut worst, mut mean) = (0.0f64, 0.0);
-        for normal in spiral(40) {
+        for normal in golden_spiral(40) {
             let (found, exact) = (irradiance(normal, &|v| sum.radiance(v)), irradiance(normal, &room));
             (0..3).for_each(|i| worst = worst.max((found[i] - exact[i]).abs()));
             mean += exact.iter().sum::<f64>() / 120.0;
         }
         let (mut squares, mut whole) = (0.0, 0.0);
-        for direction in spiral(2000) {
+        for direction in golden_spiral(2000) {
             let (found, exact) = (sum.radiance(direction), room(direction));
             squares += (0..3).map(|i| (found[i] - exact[i]).powi(2)).sum::<f64>();
             whole += exact.iter().map(|x| x * x).sum::<f64>();

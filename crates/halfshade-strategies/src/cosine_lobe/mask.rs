@@ -22,6 +22,14 @@ pub(super) struct Disc {
     pub(super) radius: f32,
 }
 
+impl Disc {
+    /// Whether it covers all of the light.
+    pub(super) fn hides_light(&self) -> bool {
+        let [x, y] = self.center;
+        self.radius >= 1.0 && x.hypot(y) + 1.0 <= self.radius
+    }
+}
+
 /// A cell of the square.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Cell {

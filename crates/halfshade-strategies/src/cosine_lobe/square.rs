@@ -78,7 +78,7 @@ impl Square {
     /// A sphere behind the light is not. One that begins before the circle in which the light is seen and whose own
     /// silhouette lies beyond it shrinks on the way, so that nothing jumps.
     #[inline(always)]
-    pub(super) fn splat(&self, offset: &[f32x8; 3], radius: f32x8) -> ([f32x8; 3], f32x8) {
+    fn splat(&self, offset: &[f32x8; 3], radius: f32x8) -> ([f32x8; 3], f32x8) {
         let along = |direction: [f32; 3]| {
             let [x, y, z] = direction.map(f32x8::splat);
             x.mul_add(offset[0], y.mul_add(offset[1], z * offset[2]))
@@ -117,6 +117,22 @@ impl Square {
         let reach = r + f32x8::ONE;
         let meets = x.mul_add(x, y * y).simd_lt(reach * reach) & sine.simd_gt(f32x8::ZERO);
         (disc, meets)
+    }
+
+    /// Calls with the disc of each of eight spheres that is in the way of the light.
+    #[inline(always)]
+    pub(super) fn each_disc(&self, offset: &[f32x8; 3], radius: f32x8, mut work: impl FnMut(Disc)) {
+        let (found, meets) = self.splat(offset, radius);
+        let mut bits = meets.to_bitmask();
+        if bits == 0 {
+            return;
+        }
+        let [x, y, r] = found.map(f32x8::to_array);
+        while bits != 0 {
+            let lane = bits.trailing_zeros() as usize;
+            work(Disc { center: [x[lane], y[lane]], radius: r[lane] });
+            bits &= bits - 1;
+        }
     }
 
     /// Eight points of the square as unit directions.
@@ -247,12 +263,6 @@ fn finest(depth: usize) -> Vec<LitCell> {
     let scale = PI / cells.iter().map(|cell| cell.area).sum::<f32>();
     cells.iter_mut().for_each(|cell| cell.area *= scale);
     cells
-}
-
-/// The disc of one lane, and whether it covers all of the light.
-#[inline(always)]
-pub(super) fn disc(x: f32, y: f32, radius: f32) -> (Disc, bool) {
-    (Disc { center: [x, y], radius }, radius >= 1.0 && x.hypot(y) + 1.0 <= radius)
 }
 
 #[cfg(test)]

@@ -6,9 +6,8 @@ use super::{
     lobes::{CellLobes, Shape},
     mask::{Cell, Disc, Mask, covered_fractions},
     parameters::{Leaves, Order, Settings, Stage, Weights},
-    square::{Square, disc},
+    square::Square,
 };
-use wide::f32x8;
 
 /// How much of a light spheres hide.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,20 +69,13 @@ impl<'a> Visibility<'a> {
         self.discs.clear();
         for (center, radius) in spheres.groups() {
             let (offset, radius) = receiver.adjusted(&center, radius, self.settings.rule);
-            let (found, meets) = square.splat(&offset, radius);
-            let mut bits = meets.to_bitmask();
-            if bits == 0 {
-                continue;
-            }
-            let [x, y, r] = found.map(f32x8::to_array);
-            while bits != 0 {
-                let lane = bits.trailing_zeros() as usize;
-                let (disc, hides) = disc(x[lane], y[lane], r[lane]);
-                if hides {
-                    return false;
-                }
+            let mut hides = false;
+            square.each_disc(&offset, radius, |disc| {
+                hides |= disc.hides_light();
                 self.discs.push(disc);
-                bits &= bits - 1;
+            });
+            if hides {
+                return false;
             }
         }
         true

@@ -16,7 +16,7 @@ use serde::{Serialize, de::DeserializeOwned};
 use std::sync::{Arc, OnceLock};
 
 /// Of what is cached: raised whenever it would come out differently.
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 
 /// What fields of any basis are baked with.
 pub(super) struct Baking<'a> {

@@ -2,8 +2,9 @@
 
 use super::basis::{Ball, Basis};
 use crate::triangle_rays::TriangleRays;
-use glam::Vec3;
-use std::f32::consts::{FRAC_1_SQRT_2, TAU};
+use glam::{DVec3, Vec3};
+use halfshade_sh::quadrature::golden_spiral;
+use std::f32::consts::FRAC_1_SQRT_2;
 
 /// Rays that tell whether a point is inside: it is unless two of them get out. One may, through an edge between triangles
 /// (see [`TriangleRays`]).
@@ -47,14 +48,8 @@ pub(super) struct Solid<'a> {
 impl<'a> Solid<'a> {
     /// The mesh of `rays`, which `ball` holds.
     pub(super) fn new(rays: &'a TriangleRays, ball: Ball) -> Self {
-        // A spiral of equal areas.
-        let probe = |number: usize| {
-            let z = 1.0 - (2.0 * number as f32 + 1.0) / PROBES as f32;
-            let (sin, cos) = (TAU * (0.618_034 * number as f32).fract()).sin_cos();
-            let s = (1.0 - z * z).sqrt();
-            Vec3::new(s * cos, z, s * sin)
-        };
-        Self { rays, ball, probes: (0..PROBES).map(probe).collect() }
+        let probes = golden_spiral(PROBES).map(|direction| DVec3::from(direction).as_vec3()).collect();
+        Self { rays, ball, probes }
     }
 
     /// Whether a point lies within the mesh, or in a hole that a thirtieth of all directions leaves.

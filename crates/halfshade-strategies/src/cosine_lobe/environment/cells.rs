@@ -127,4 +127,15 @@ mod tests {
             assert!(middle.distance(Vec3::new(0.6, -0.64, 0.48)) < 0.01, "{middle}");
         }
     }
+
+    /// Subnormal numbers take a hundred times as long to multiply.
+    #[test]
+    fn no_cell_is_subnormal() {
+        let lobe = |axis, exponent| ColoredLobe { axis, exponent, scale: [1.0, 1e-9, 3.0] };
+        let lobes = vec![lobe([0.6, -0.64, 0.48], 900.0), lobe([0.0, 1.0, 0.0], 60.0)];
+        let cells = cells(32, &LobeSum { uniform: [0.0; 3], lobes });
+        let fluxes = || cells.iter().flatten().flat_map(|group| group.flux).flat_map(f32x8::to_array);
+        assert!(fluxes().all(|flux| flux == 0.0 || flux >= DARK));
+        assert!(fluxes().any(|flux| flux > 0.01) && fluxes().any(|flux| flux == 0.0));
+    }
 }

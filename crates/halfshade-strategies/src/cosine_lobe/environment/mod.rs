@@ -24,7 +24,7 @@ mod cover;
 use super::{
     blockers::{Receiver, Spheres},
     reflectance::{Horizon, Term, Terms},
-    square::{Square, disc},
+    square::Square,
 };
 use cells::{Cells8, FRAMES};
 use cover::Cover;
@@ -168,21 +168,13 @@ impl Surroundings {
         for (center, radius) in spheres.groups() {
             let (offset, radius) = receiver.adjusted(&center, radius, rule);
             for (half, square) in self.squares.iter().enumerate() {
-                let (found, meets) = square.splat(&offset, radius);
-                let mut bits = meets.to_bitmask();
-                if bits == 0 {
-                    continue;
-                }
-                if !is_blocked {
-                    is_blocked = true;
-                    work.covers.iter_mut().for_each(|cover| cover.clear(self.side));
-                }
-                let [x, y, r] = found.map(f32x8::to_array);
-                while bits != 0 {
-                    let lane = bits.trailing_zeros() as usize;
-                    work.covers[half].splat(&disc(x[lane], y[lane], r[lane]).0);
-                    bits &= bits - 1;
-                }
+                square.each_disc(&offset, radius, |disc| {
+                    if !is_blocked {
+                        is_blocked = true;
+                        work.covers.iter_mut().for_each(|cover| cover.clear(self.side));
+                    }
+                    work.covers[half].splat(&disc);
+                });
             }
         }
         is_blocked
