@@ -155,3 +155,42 @@ fn a_sphere_set_is_written_in_the_coordinates_of_its_mesh() {
     }
     assert_eq!(count, 2930);
 }
+
+/// Sixteen lobes against the truth of the same spheres, and against exponentiated spherical harmonics of 6 bands, which
+/// captured light with small windows and lamps outruns.
+#[test]
+#[expect(clippy::print_stderr, reason = "whoever reads the test's output should know that it tested nothing")]
+fn cosine_lobes_follow_captured_light() {
+    let Some(assets) = assets() else {
+        eprintln!("skipped: no shared/assets beside the repository, and HALFSHADE_ASSETS is not set");
+        return;
+    };
+    let here = folder();
+    let mesh = assets.join("meshes/bunny.obj").canonicalize().expect("bunny.obj");
+    let mut experiment = String::from(
+        "name = \"probes\"\nclaim = \"lobes follow captured light\"\nreferences = [\"mesh\", \"spheres\"]\n\
+         receivers = [\"pixels\"]\n[truth]\nsamples = 1024\n[pictures]\nresolution = [64, 48]\nstrategies = []\n\
+         [[strategy]]\nname = \"cosine-lobe\"\n[[strategy]]\nname = \"sh-exp\"\nbands = 6\n",
+    );
+    let probes = files(&assets.join("envmaps"), &["hdr", "exr"]);
+    for probe in &probes {
+        let projection = if probe.to_string_lossy().contains("angular") { ":angular" } else { "" };
+        let light = format!("{}{projection}", probe.display());
+        experiment += &format!("[[scene]]\nname = {mesh:?}\nenvironment = {light:?}\nspheres = 16\n");
+    }
+    fs::write(here.path().join("probes.toml"), experiment).expect("written");
+    stdout(halfshade(here.path()).args(["run", "probes.toml"]));
+    let text = fs::read_to_string(here.path().join("out/probes/results.json")).expect("read");
+    let results: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let runs = results["runs"].as_array().expect("runs");
+    let errors = |strategy: &str| -> Vec<f64> {
+        let of_spheres =
+            |run: &&serde_json::Value| run["strategy"] == strategy && run["error"]["reference"] == "spheres";
+        runs.iter().filter(of_spheres).map(|run| run["error"]["rel_rmse"].as_f64().expect("an error")).collect()
+    };
+    let (lobes, harmonics) = (errors("cosine-lobe"), errors("sh-exp"));
+    assert_eq!((lobes.len(), harmonics.len()), (probes.len(), probes.len()));
+    for ((probe, lobes), harmonics) in probes.iter().zip(&lobes).zip(&harmonics) {
+        assert!(*lobes < 0.1 && lobes < harmonics, "{}: {lobes} {harmonics}", probe.display());
+    }
+}

@@ -209,7 +209,9 @@ fn everything_is_finite_and_not_negative_at_the_extremes() {
         SphereLight { center: Vec3::new(1e6, 1e6, 0.0), radius: 1e5, ..LIGHT },
     ] {
         for spheres in [&many[..], &huge[..], &huge[..1], &[]] {
-            for settings in ["", PUBLISHED, "rule=covering,leaves=conservative,depth=6", "depth=1,rule=published"] {
+            for settings in
+                ["", PUBLISHED, "rule=covering,leaves=conservative,depth=6", "depth=0,rule=published", "share=0.5"]
+            {
                 let mut scene = scene(light, spheres);
                 scene.objects[0].material.reflectance =
                     Reflectance::Phong { specular: Vec3::splat(0.4), exponent: 1e5 };
@@ -247,6 +249,34 @@ fn a_threshold_leaves_out_products_and_changes_no_more_than_it_says() {
     baked.shade(receivers.view(), RadianceBuffer::zeros(receivers.len()).view_mut());
     let left_out = baked.details().into_iter().find(|detail| detail.name.contains("left out")).unwrap();
     assert!(left_out.values[0] > 100.0, "{left_out:?}");
+}
+
+/// A blocker half way to the light moves before it by as much as the receiver, so that between neighbours that share a mask
+/// radiance changes by about the cube's side over the light's width.
+#[test]
+fn sharing_finds_fewer_masks_and_errs_by_what_a_blocker_moves() {
+    let scene = scene(LIGHT, &[Sphere { center: Vec3::new(0.1, 1.4, 0.0), radius: 0.4 }]);
+    let receivers = line(2001, -1.6, 1.6);
+    let count = |settings: &str| {
+        let baked = baked(&scene, settings);
+        baked.shade(receivers.view(), RadianceBuffer::zeros(receivers.len()).view_mut());
+        baked.details().into_iter().find(|detail| detail.name.contains("masks")).unwrap().values[0]
+    };
+    let (own, own_masks) = (shaded(&scene, "", &receivers), count(""));
+    for share in [0.03125, 0.0625, 0.125, 0.25] {
+        let settings = format!("share={share}");
+        let found = shaded(&scene, &settings, &receivers);
+        let largest = (0..receivers.len())
+            .map(|i| {
+                let view = receivers.view();
+                (found[i] - own[i]).abs() * PI / f64::from(LIGHT.irradiance(view.position_at(i), Vec3::Y).x)
+            })
+            .fold(0.0, f64::max);
+        let cubes = 3.2 / (share * f64::from(LIGHT.radius));
+        assert!(largest > 0.05 * share && largest < share, "{settings}: {largest}");
+        assert!(count(&settings) <= own_masks.min(cubes + 2.0), "{settings}");
+    }
+    assert!(own_masks > 500.0, "{own_masks}");
 }
 
 /// Every `step`th vertex of a built-in scene, which is made ready.
@@ -382,9 +412,16 @@ fn the_ends_of_the_issue_are_finite() {
                 ("touching below", &touching[1..2]),
                 ("within a blocker", &touching[2..]),
             ] {
-                for settings in
-                    ["", PUBLISHED, "leaves=conservative,depth=6", "depth=1", "integration=sampled,samples=1"]
-                {
+                for settings in [
+                    "",
+                    PUBLISHED,
+                    "leaves=conservative,depth=6",
+                    "depth=1",
+                    "depth=0",
+                    "depth=0,order=published,leaves=conservative",
+                    "share=1",
+                    "integration=sampled,samples=1",
+                ] {
                     let mut scene = scene(light, spheres);
                     for object in &mut scene.objects {
                         object.material.reflectance = Reflectance::Phong { specular: Vec3::splat(0.3), exponent };
@@ -407,8 +444,8 @@ fn the_ends_of_the_issue_are_finite() {
 }
 
 #[test]
-fn a_mask_without_levels_is_refused() {
-    for wrong in ["depth=0", "depth=7", "samples=0", "twice=all"] {
+fn settings_out_of_range_are_refused() {
+    for wrong in ["depth=-1", "depth=7", "share=2", "samples=0", "twice=all"] {
         assert!(Params::parse(&CosineLobe.info().parameters, wrong).is_err(), "{wrong}");
     }
 }

@@ -53,8 +53,17 @@
 //!
 //! **Integration.** `integration=sampled` integrates the same sums of lobes by quadrature (`sampled.rs`), for comparison only:
 //! on `five-blockers` and `glossy-sphere` products differ from it by less than 0.2 % of the mean by default, by less than 3 % as
-//! published, and it takes a hundred times as long. `twice=mask` and so on do a part of the work twice and change no bit: how much longer that
-//! takes is the part's share of the time [Meunier2009, table 1].
+//! published, and it takes a hundred times as long. `twice=mask` and so on do a part of the work twice and change no bit: how
+//! much longer that takes is the part's share of the time [Meunier2009, table 1].
+//!
+//! **Neighbours.** Spheres in the way are looked up for 64 receivers, and among those for 8: that is exact, so that a receiver
+//! meets no more spheres than are near its own light. `share` also shares masks (`shared.rs`): on `two-squirrels` cubes of a
+//! sixteenth of the light's radius leave 28 % of the masks and save an eighth of the time, but what they err, 0.035 of the mean
+//! beside 0.02, shows as blocks. It is off by default.
+//!
+//! **Time.** That scene's 480,000 pixels, of which 6 % have a mask, take 0.2 s on two cores, 0.9 µs each on a core; the paper
+//! takes 6.25 s on two of 2007. From 16 to 1,024 spheres it grows by 4 %, from depth 2 to 6 by 57 % (`experiments/lobe-box.toml`,
+//! `experiments/lobe-costs.toml`).
 //!
 //! **Environments**, which the paper leaves open, are a constant and a few lobes fitted to the map (`env-lobes`), and a sun is a
 //! spherical light infinitely far away. One mask of all directions serves all lobes (`env-depth`): see `environment/mod.rs`.

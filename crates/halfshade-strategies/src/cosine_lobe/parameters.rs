@@ -84,8 +84,8 @@ pub(super) fn all() -> Vec<Parameter> {
         ),
         Parameter {
             name: "depth",
-            summary: "levels of the mask's quad-tree below its root",
-            kind: ParameterKind::Integer { default: 5, min: 1, max: MAX_DEPTH as i64 },
+            summary: "levels of the mask's quad-tree below its root; 0 is the root alone",
+            kind: ParameterKind::Integer { default: 5, min: 0, max: MAX_DEPTH as i64 },
         },
         choice(
             "leaves",
