@@ -97,6 +97,13 @@ fn an_experiment_runs_checks_reports_and_resumes() {
         let report = stdout(halfshade(here.path()).args(["report", "out/small", "--format", format]));
         assert!(report.starts_with(start), "{format}: {report}");
     }
+    // Pictures that went elsewhere leave no dead links.
+    let pictures = [out.join("pictures"), here.path().join("elsewhere")];
+    let linked = || stdout(halfshade(here.path()).args(["report", "out/small"])).contains("](pictures/");
+    assert!(linked());
+    fs::rename(&pictures[0], &pictures[1]).unwrap();
+    assert!(!linked());
+    fs::rename(&pictures[1], &pictures[0]).unwrap();
 
     // The same program finds the same errors; a baseline that was better makes it fail, and says what moved.
     let check = ["check", "small.toml", "--baseline", "base.json"];

@@ -33,7 +33,7 @@ pub enum Command {
     List(ListArguments),
     /// Compare an experiment's errors with a baseline: exit status 1 where one grew beyond noise.
     Check(CheckArguments),
-    /// Write tables and plots from stored results.
+    /// Write tables and plots from stored results, with the pictures that lie beside them.
     Report(ReportArguments),
 }
 

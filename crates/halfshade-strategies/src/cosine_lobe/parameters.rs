@@ -68,6 +68,7 @@ pub(super) struct Settings {
     pub(super) rule: AdjustRule,
     pub(super) threshold: f32,
     pub(super) share: f32,
+    pub(super) environment_lamps: usize,
     pub(super) environment_lobes: usize,
     pub(super) environment_depth: usize,
 }
@@ -145,6 +146,11 @@ pub(super) fn all() -> Vec<Parameter> {
             kind: ParameterKind::Float { default: 0.0, min: 0.0, max: 1.0 },
         },
         Parameter {
+            name: "env-lamps",
+            summary: "small bright parts of an environment map that become lights of their own, at most",
+            kind: ParameterKind::Integer { default: 2, min: 0, max: 8 },
+        },
+        Parameter {
             name: "env-lobes",
             summary: "lobes fitted to an environment map, beside a constant",
             kind: ParameterKind::Integer { default: 16, min: 0, max: 64 },
@@ -199,6 +205,7 @@ impl Settings {
             },
             threshold: params.float("threshold") as f32,
             share: params.float("share") as f32,
+            environment_lamps: params.integer("env-lamps") as usize,
             environment_lobes: params.integer("env-lobes") as usize,
             environment_depth: params.integer("env-depth") as usize,
         }

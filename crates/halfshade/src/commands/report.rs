@@ -9,7 +9,10 @@ use halfshade_harness::{Results, output::prepare_folder, report, table::Format};
 use std::process::ExitCode;
 
 pub(super) fn report(arguments: &ReportArguments) -> Result<ExitCode, Failure> {
-    let results = Results::load(&arguments.folder)?;
+    let mut results = Results::load(&arguments.folder)?;
+    // Stored results may have been parted from their pictures, which are large.
+    let folder = if arguments.folder.is_dir() { Some(arguments.folder.as_path()) } else { arguments.folder.parent() };
+    results.pictures.retain(|files| folder.is_some_and(|folder| folder.join(&files.png).is_file()));
     let format = match arguments.format {
         FormatChoice::Md => Format::Markdown,
         FormatChoice::Csv => Format::Csv,

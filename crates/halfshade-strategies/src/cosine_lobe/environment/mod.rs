@@ -1,7 +1,7 @@
 //! Light from infinitely far as lobes, and what blockers leave of it: beyond \[Meunier2009\], which has spherical lights only.
 //!
 //! A constant and lobes are fitted to the environment once (`halfshade_sh::lobe::LobeSum`); a sun stays a light of its own
-//! (`light.rs`). Unblocked, a receiver reflects the sum of products of its lobes ρ_i with those of the light l_j, by the
+//! (`light.rs`), and so do small bright parts of a map (`lamps.rs`). Unblocked, a receiver reflects the sum of products of its lobes ρ_i with those of the light l_j, by the
 //! table, and of the constant in closed form. Visibility is not found light by light, since lobes have no edge and all
 //! of them overlap, but once for all directions: two squares hold one hemisphere each, spheres are discs on both, and a
 //! disc covers parts of cells (`cover.rs`). Light and visibility are multiplied first, as in `order=light-first`: a cell
@@ -20,6 +20,7 @@
 
 mod cells;
 mod cover;
+mod lamps;
 
 use super::{
     blockers::{Receiver, Spheres},
@@ -29,7 +30,11 @@ use super::{
 use cells::{Cells8, FRAMES};
 use cover::Cover;
 use glam::{Quat, Vec3};
-use halfshade_scene::{Environment, light::DistantLight, spheres::AdjustRule};
+use halfshade_scene::{
+    Environment,
+    light::{DistantLight, Sun},
+    spheres::AdjustRule,
+};
 use halfshade_sh::lobe::{ColoredLobe, Lobe8, LobeSum, LobeTable};
 use std::f32::consts::FRAC_1_SQRT_2;
 use wide::f32x8;
@@ -41,6 +46,8 @@ const NEGLIGIBLE: f32 = 1e-6;
 #[derive(Debug)]
 pub(super) struct Fitted {
     base: DistantLight,
+    /// Too small for the others.
+    lamps: Vec<Sun>,
     side: usize,
     uniform: Vec3,
     lobes: Vec<Lobes8>,
@@ -71,25 +78,39 @@ pub(super) struct Work {
 }
 
 impl Fitted {
-    /// At most `count` lobes, and `2^depth` cells along a side of a square.
-    pub(super) fn new(base: &DistantLight, count: usize, depth: usize, table: &LobeTable) -> Self {
+    /// At most `lamp_count` lamps and `lobe_count` lobes, and `2^depth` cells along a side of a square.
+    pub(super) fn new(
+        base: &DistantLight,
+        lamp_count: usize,
+        lobe_count: usize,
+        depth: usize,
+        table: &LobeTable,
+    ) -> Self {
+        let mut lamps = Vec::new();
         let sum = match base {
             DistantLight::Constant(radiance) => {
                 LobeSum { uniform: radiance.to_array().map(f64::from), lobes: Vec::new() }
             }
             DistantLight::Map(map) => {
-                let texels: Vec<[f32; 3]> = map.texels().iter().map(|texel| texel.to_array()).collect();
-                LobeSum::fit(count, map.width(), map.height(), &texels, table).unwrap_or_default()
+                let texels;
+                (lamps, texels) = lamps::split(map, lamp_count);
+                LobeSum::fit(lobe_count, map.width(), map.height(), &texels, table).unwrap_or_default()
             }
         };
         let side = 1 << depth;
         Self {
             base: base.clone(),
+            lamps,
             side,
             uniform: Vec3::from(sum.uniform.map(|channel| channel as f32)),
             lobes: sum.lobes.chunks(8).map(gathered).collect(),
             cells: if sum == LobeSum::default() { Default::default() } else { cells::cells(side, &sum) },
         }
+    }
+
+    /// Lights of their own.
+    pub(super) fn lamps(&self) -> &[Sun] {
+        &self.lamps
     }
 
     /// Whether it is that of `environment`.
