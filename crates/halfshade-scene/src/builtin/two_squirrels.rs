@@ -100,8 +100,8 @@ mod tests {
 
     #[test]
     fn every_pixel_shows_the_box() {
-        let Camera { eye, resolution: [width, height], .. } = built("two-squirrels").camera;
         let camera = built("two-squirrels").camera;
+        let Camera { eye, resolution: [width, height], .. } = camera;
         for pixel in 0..width * height {
             let direction = camera.ray_direction((pixel % width) as f32 + 0.5, (pixel / width) as f32 + 0.5);
             // Into the box through its open front, and out of it where the first of the four sides is.

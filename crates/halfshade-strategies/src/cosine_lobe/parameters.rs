@@ -76,6 +76,16 @@ pub(super) struct Settings {
 pub(super) fn all() -> Vec<Parameter> {
     let choice =
         |name, summary, values, default| Parameter { name, summary, kind: ParameterKind::Choice { values, default } };
+    let integer = |name, summary, default, [min, max]: [i64; 2]| Parameter {
+        name,
+        summary,
+        kind: ParameterKind::Integer { default, min, max },
+    };
+    let part = |name, summary, default| Parameter {
+        name,
+        summary,
+        kind: ParameterKind::Float { default, min: 0.0, max: 1.0 },
+    };
     vec![
         choice(
             "order",
@@ -83,11 +93,12 @@ pub(super) fn all() -> Vec<Parameter> {
             &["light-first", "published"],
             "light-first",
         ),
-        Parameter {
-            name: "depth",
-            summary: "levels of the mask's quad-tree below its root; 0 is the root alone",
-            kind: ParameterKind::Integer { default: 5, min: 0, max: MAX_DEPTH as i64 },
-        },
+        integer(
+            "depth",
+            "levels of the mask's quad-tree below its root; 0 is the root alone",
+            5,
+            [0, MAX_DEPTH as i64],
+        ),
         choice(
             "leaves",
             "partly covered cells of the last level: ignored, kept, or kept by the fraction covered (not published)",
@@ -118,11 +129,7 @@ pub(super) fn all() -> Vec<Parameter> {
             &["analytic", "sampled"],
             "analytic",
         ),
-        Parameter {
-            name: "samples",
-            summary: "for integration=sampled: directions per integral",
-            kind: ParameterKind::Integer { default: 64, min: 1, max: 65_536 },
-        },
+        integer("samples", "for integration=sampled: directions per integral", 64, [1, 65_536]),
         choice(
             "twice",
             "a part of the work that is done twice: by how much that takes longer is its share of the time",
@@ -135,31 +142,24 @@ pub(super) fn all() -> Vec<Parameter> {
             &["continuous", "covering", "published"],
             "continuous",
         ),
-        Parameter {
-            name: "threshold",
-            summary: "products below this fraction of the unblocked light's are left out; 0 leaves out none",
-            kind: ParameterKind::Float { default: 1e-4, min: 0.0, max: 1.0 },
-        },
-        Parameter {
-            name: "share",
-            summary: "side of the cubes of space whose receivers share masks, in radii of the light; 0 shares none",
-            kind: ParameterKind::Float { default: 0.0, min: 0.0, max: 1.0 },
-        },
-        Parameter {
-            name: "env-lamps",
-            summary: "small bright parts of an environment map that become lights of their own, at most",
-            kind: ParameterKind::Integer { default: 2, min: 0, max: 8 },
-        },
-        Parameter {
-            name: "env-lobes",
-            summary: "lobes fitted to an environment map, beside a constant",
-            kind: ParameterKind::Integer { default: 16, min: 0, max: 64 },
-        },
-        Parameter {
-            name: "env-depth",
-            summary: "cells along each side of a hemisphere that blockers cover, as a power of 2",
-            kind: ParameterKind::Integer { default: 5, min: 3, max: 6 },
-        },
+        part(
+            "threshold",
+            "products below this fraction of the unblocked light's are left out; 0 leaves out none",
+            1e-4,
+        ),
+        part(
+            "share",
+            "side of the cubes of space whose receivers share masks, in radii of the light; 0 shares none",
+            0.0,
+        ),
+        integer(
+            "env-lamps",
+            "small bright parts of an environment map that become lights of their own, at most",
+            2,
+            [0, 8],
+        ),
+        integer("env-lobes", "lobes fitted to an environment map, beside a constant", 16, [0, 64]),
+        integer("env-depth", "cells along each side of a hemisphere that blockers cover, as a power of 2", 5, [3, 6]),
     ]
 }
 
