@@ -170,7 +170,7 @@ mod tests {
     fn wide_or_faint_lights_and_damaged_maps_have_no_lamps() {
         let wide = sky(&[(Vec3::Y, 0.2, Vec3::splat(50.0))]);
         let faint = sky(&[(Vec3::X, 0.02, Vec3::splat(5.0))]);
-        let damaged = EnvironmentMap::new(4, 2, vec![Vec3::NAN, Vec3::INFINITY, -Vec3::ONE, Vec3::ONE].repeat(2));
+        let damaged = EnvironmentMap::new(4, 2, [Vec3::NAN, Vec3::INFINITY, -Vec3::ONE, Vec3::ONE].repeat(2));
         let black = EnvironmentMap::new(8, 4, vec![Vec3::ZERO; 32]);
         let one = EnvironmentMap::new(1, 1, vec![Vec3::splat(f32::MAX)]);
         for map in [wide, faint, damaged.unwrap(), black.unwrap(), one.unwrap()] {
