@@ -51,10 +51,10 @@
 //! **Threshold** [Meunier2009, 4.3]. A group of eight products is left out if none of them can reach `threshold` times the
 //! unblocked radiance; each left out changes radiance by less than that. A diffuse lobe isn't tested in the default order.
 //!
-//! **Integration.** `integration=sampled` integrates the same sums of lobes by quadrature (`sampled.rs`), for comparison only:
-//! on `five-blockers` and `glossy-sphere` products differ from it by less than 0.1 % of the mean by default, by 0.1 and 0.3 % as
-//! published (the paper's by 3 %), and it takes a hundred times as long. `twice=mask` and so on do a part of the work twice and change no bit: how
-//! much longer that takes is the part's share of the time [Meunier2009, table 1].
+//! **Integration.** `integration=sampled` integrates the same sums of lobes by quadrature (`sampled.rs`), for comparison
+//! only: on `five-blockers` and `glossy-sphere` products differ from it by less than 0.1 % of the mean by default, by 0.1
+//! and 0.3 % as published (the paper's by 3 %), and it takes a hundred times as long. `twice=mask` and so on do a part of
+//! the work twice and change no bit: how much longer that takes is the part's share of the time [Meunier2009, table 1].
 //!
 //! **Neighbours.** Spheres in the way are looked up for 64 receivers, and among those for 8: that is exact, so that a receiver
 //! meets no more spheres than are near its own light. `share` also shares masks (`shared.rs`): on `two-squirrels` cubes of a
@@ -65,19 +65,20 @@
 //! takes 6.25 s on two of 2007. From 16 to 1,024 spheres it grows by 4 %, from depth 2 to 6 by 57 % (`experiments/lobe-box.toml`,
 //! `experiments/lobe-costs.toml`).
 //!
-//! **Environments**, which the paper leaves open, are a constant and a few lobes fitted to the map (`env-lobes`), and a sun is a
-//! spherical light infinitely far away, also one that is found in the map (`env-lamps`). One mask of all directions serves all lobes (`env-depth`): see `environment/mod.rs`.
-//! Of a sky with a window and a lamp, 16 lobes miss unblocked radiance by 0.002 of its mean (RMS), and what five spheres leave
-//! of it by 0.029, 0.013, 0.009 and 0.008 at depth 3, 4, 5 and 6; at depth 5, 8 lobes by 0.010 and 64 by 0.007
-//! (`tests/cosine_lobe_environment.rs`). On `vases` and `teapot-and-statue` the relative RMSE against the spheres' truth is
-//! 0.009, where exponentiated spherical harmonics of 6 bands have 0.03 to 0.05 in a quarter to half of the time
-//! (`experiments/environment-lobes.toml`). Under ten captured probes over a rabbit of 16 spheres it is 0.005 to 0.017, where
-//! they have 0.010 to 0.15 (`tests/tests/shared_assets.rs`); without lamps, a captured sun makes it 0.11.
+//! **Environments**, which the paper leaves open, are a constant and a few lobes fitted to the map (`env-lobes`), and a sun
+//! is a spherical light infinitely far away, also one that is found in the map (`env-lamps`). One mask of all directions
+//! serves all lobes (`env-depth`): see `environment/mod.rs`. Of a sky with a window and a lamp, 16 lobes miss unblocked
+//! radiance by 0.002 of its mean (RMS), and what five spheres leave of it by 0.029, 0.013, 0.009 and 0.008 at depth 3, 4, 5
+//! and 6; at depth 5, 8 lobes by 0.010 and 64 by 0.007 (`tests/cosine_lobe_environment.rs`). On `vases` and
+//! `teapot-and-statue` the relative RMSE against the spheres' truth is 0.009, where exponentiated spherical harmonics of 6
+//! bands have 0.03 to 0.05 in a quarter to two thirds of the time (`experiments/environment-lobes.toml`). Under ten captured
+//! probes over a rabbit of 16 spheres it is 0.005 to 0.017, where they have 0.010 to 0.15 (`tests/tests/shared_assets.rs`);
+//! without lamps, a captured sun makes it 0.11.
 //!
-//! **Limits.** Local lights are spheres. What of a map is no lamp is smeared over 5.6 degrees, the lobes' grid, and highlights
-//! sharper than that show it; blockers of an environment are told apart by cells. Spheres behind the light are ignored, and from within a
-//! light nothing is hidden. A Phong lobe without a cosine, which reaches below the horizon, is cut there by the visible
-//! fraction of the light alone.
+//! **Limits.** Local lights are spheres. What of a map is no lamp is smeared over 5.6 degrees, the lobes' grid, and
+//! highlights sharper than that show it; blockers of an environment are told apart by cells. Spheres behind the light are
+//! ignored, and from within a light nothing is hidden. A Phong lobe without a cosine, which reaches below the horizon, is
+//! cut there by the visible fraction of the light alone.
 
 mod blockers;
 mod environment;
