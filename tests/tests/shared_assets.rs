@@ -11,6 +11,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
+/// The folder; where there is none, says that nothing is tested.
+#[expect(clippy::print_stderr, reason = "whoever reads the test's output should know that it tested nothing")]
 fn assets() -> Option<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let places = [
@@ -19,7 +21,11 @@ fn assets() -> Option<PathBuf> {
         Some(root.join("../../shared/assets")),
         Some(root.join("../../../shared/assets")),
     ];
-    places.into_iter().flatten().find(|place| place.join("meshes").is_dir())
+    let found = places.into_iter().flatten().find(|place| place.join("meshes").is_dir());
+    if found.is_none() {
+        eprintln!("skipped: no shared/assets beside the repository, and HALFSHADE_ASSETS is not set");
+    }
+    found
 }
 
 /// The files in `folder` with one of these endings, in order.
@@ -35,12 +41,8 @@ fn files(folder: &Path, endings: &[&str]) -> Vec<PathBuf> {
 }
 
 #[test]
-#[expect(clippy::print_stderr, reason = "whoever reads the test's output should know that it tested nothing")]
 fn every_mesh_and_every_probe_runs() {
-    let Some(assets) = assets() else {
-        eprintln!("skipped: no shared/assets beside the repository, and HALFSHADE_ASSETS is not set");
-        return;
-    };
+    let Some(assets) = assets() else { return };
     let here = folder();
     let meshes = files(&assets.join("meshes"), &["obj", "ply", "glb", "gltf"]);
     let probes = files(&assets.join("envmaps"), &["hdr", "exr"]);
@@ -74,12 +76,8 @@ fn every_mesh_and_every_probe_runs() {
 
 /// Fits `count` spheres to the Stanford bunny as a user would. Returns the outside volume, the violation of the bound, and
 /// the error of the ground shadow under the default rule and under the covering one, or `None` where there is no bunny.
-#[expect(clippy::print_stderr, reason = "whoever reads the test's output should know that it tested nothing")]
 fn fit_the_bunny(count: usize) -> Option<[f64; 4]> {
-    let Some(assets) = assets() else {
-        eprintln!("skipped: no shared/assets beside the repository, and HALFSHADE_ASSETS is not set");
-        return None;
-    };
+    let assets = assets()?;
     let here = folder();
     let mesh = assets.join("meshes/bunny.obj").canonicalize().expect("bunny.obj");
     let count = count.to_string();
@@ -159,12 +157,8 @@ fn a_sphere_set_is_written_in_the_coordinates_of_its_mesh() {
 /// Sixteen lobes against the truth of the same spheres, and against exponentiated spherical harmonics of 6 bands, which
 /// captured light with small windows and a sun outruns.
 #[test]
-#[expect(clippy::print_stderr, reason = "whoever reads the test's output should know that it tested nothing")]
 fn cosine_lobes_follow_captured_light() {
-    let Some(assets) = assets() else {
-        eprintln!("skipped: no shared/assets beside the repository, and HALFSHADE_ASSETS is not set");
-        return;
-    };
+    let Some(assets) = assets() else { return };
     let here = folder();
     let mesh = assets.join("meshes/bunny.obj").canonicalize().expect("bunny.obj");
     let mut experiment = String::from(

@@ -210,6 +210,7 @@ impl Settings {
             environment_depth: params.integer("env-depth") as usize,
         }
     }
+
     /// One stage of the work, as often as is asked for. What it leaves is the same.
     #[inline(always)]
     pub(super) fn stage<T>(&self, stage: Stage, mut work: impl FnMut() -> T) -> T {

@@ -87,9 +87,17 @@ impl<'a> Shading<'a> {
             for (i, position) in positions[..count].iter_mut().enumerate() {
                 *position = moment.local(receivers.position_at(start + i));
             }
-            settings.stage(Stage::Mask, || self.keep_between(&positions[..count]));
+            settings.stage(Stage::Mask, || {
+                self.each_light(&positions[..count], |before, receivers, light| {
+                    moment.spheres.keep_between(receivers, light, &mut before.group);
+                });
+            });
             for (subgroup, positions) in positions[..count].chunks(SUBGROUP).enumerate() {
-                settings.stage(Stage::Mask, || self.keep_nearer(positions));
+                settings.stage(Stage::Mask, || {
+                    self.each_light(positions, |before, receivers, light| {
+                        before.group.keep_between(receivers, light, &mut before.subgroup);
+                    });
+                });
                 let start = start + SUBGROUP * subgroup;
                 for (i, &position) in positions.iter().enumerate() {
                     let receiver = Receiver { position, normal: receivers.normal_at(start + i).to_array() };
@@ -99,21 +107,11 @@ impl<'a> Shading<'a> {
         }
     }
 
-    /// The spheres between points and each light.
-    fn keep_between(&mut self, points: &[[f32; 3]]) {
-        let moment = self.moment;
-        for (light, before) in moment.lights.iter().zip(&mut self.before) {
-            let ball = before.receivers(points);
-            moment.spheres.keep_between(&ball, &light.ball(&ball, &moment.ball), &mut before.group);
-        }
-    }
-
-    /// Those of them between some of the points and each light.
-    fn keep_nearer(&mut self, points: &[[f32; 3]]) {
-        let moment = self.moment;
-        for (light, before) in moment.lights.iter().zip(&mut self.before) {
-            let ball = before.receivers(points);
-            before.group.keep_between(&ball, &light.ball(&ball, &moment.ball), &mut before.subgroup);
+    /// Calls with what is before each light, a ball around points, and one around the light as seen from there.
+    fn each_light(&mut self, points: &[[f32; 3]], keep: impl Fn(&mut Before, &Ball, &Ball)) {
+        for (light, before) in self.moment.lights.iter().zip(&mut self.before) {
+            let receivers = before.receivers(points);
+            keep(before, &receivers, &light.ball(&receivers, &self.moment.ball));
         }
     }
 

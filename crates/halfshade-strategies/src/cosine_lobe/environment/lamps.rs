@@ -7,7 +7,7 @@
 
 use glam::{DVec3, Vec3};
 use halfshade_scene::light::{EnvironmentMap, Sun};
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 /// How far from its middle a lamp reaches, in radians: its surroundings reach twice as far.
 const REACH: f64 = 0.07;
@@ -64,7 +64,12 @@ impl<'a> Rest<'a> {
         let (near, far) = (REACH.cos(), (2.0 * REACH).cos());
         let (mut around, mut weight) = (DVec3::ZERO, 0.0);
         let mut within = Vec::new();
-        for i in 0..self.texels.len() {
+        let (width, height) = (self.map.width(), self.map.height());
+        // Rows farther from the pole or nearer to it than the surroundings reach have no texel there.
+        let polar = middle.y.clamp(-1.0, 1.0).acos();
+        let row_at = |polar: f64| (polar.clamp(0.0, PI) / PI * height as f64) as usize;
+        let rows = row_at(polar - 2.0 * REACH).saturating_sub(1)..(row_at(polar + 2.0 * REACH) + 2).min(height);
+        for i in rows.start * width..rows.end * width {
             let cosine = self.direction(i).dot(middle);
             let part = solid_angle(self.map, i);
             if cosine >= near {
@@ -125,7 +130,6 @@ fn solid_angle(map: &EnvironmentMap, texel: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::f64::consts::PI;
 
     /// A sky with caps of radiance in it.
     fn sky(caps: &[(Vec3, f32, Vec3)]) -> EnvironmentMap {

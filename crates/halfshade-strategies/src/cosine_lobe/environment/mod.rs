@@ -1,11 +1,12 @@
 //! Light from infinitely far as lobes, and what blockers leave of it: beyond \[Meunier2009\], which has spherical lights only.
 //!
 //! A constant and lobes are fitted to the environment once (`halfshade_sh::lobe::LobeSum`); a sun stays a light of its own
-//! (`light.rs`), and so do small bright parts of a map (`lamps.rs`). Unblocked, a receiver reflects the sum of products of its lobes ρ_i with those of the light l_j, by the
-//! table, and of the constant in closed form. Visibility is not found light by light, since lobes have no edge and all
-//! of them overlap, but once for all directions: two squares hold one hemisphere each, spheres are discs on both, and a
-//! disc covers parts of cells (`cover.rs`). Light and visibility are multiplied first, as in `order=light-first`: a cell
-//! has the light that all lobes together have there (`cells.rs`), of which the part that is open counts,
+//! (`light.rs`), and so do small bright parts of a map (`lamps.rs`). Unblocked, a receiver reflects the sum of products of
+//! its lobes ρ_i with those of the light l_j, by the table, and of the constant in closed form. Visibility is not found
+//! light by light, since lobes have no edge and all of them overlap, but once for all directions: two squares hold one
+//! hemisphere each, spheres are discs on both, and a disc covers parts of cells (`cover.rs`). Light and visibility are
+//! multiplied first, as in `order=light-first`: a cell has the light that all lobes together have there (`cells.rs`), of
+//! which the part that is open counts,
 //!
 //! ```text
 //! L = Σ_i (Σ_j ∫ ρ_i l_j dω) · (Σ_k ρ̄_ik E_k open_k) / (Σ_k ρ̄_ik E_k)
