@@ -118,6 +118,7 @@ pub fn run(experiment: &Experiment, tools: &Tools<'_>, options: &RunOptions) -> 
     machine::with_threads(Some(threads), || {
         for (number, (scene, frames)) in plan.scenes.iter().enumerate() {
             let mut scene = scene.clone();
+            scene.notes.iter().for_each(|note| tools.progress.note(note));
             for note in scene.build_spheres(tools.cache, tools.progress)? {
                 tools.progress.note(&format!("{}: {note}", scene.name));
             }

@@ -51,6 +51,8 @@ pub struct Scene {
     pub frame_count: usize,
     /// How many bounces of light are asked for: 0 is direct light alone. At most [`MAX_BOUNCES`].
     pub bounces: usize,
+    /// What was repaired or left out when files were read, for people; each note names its file.
+    pub notes: Vec<String>,
 }
 
 impl Object {
@@ -134,6 +136,7 @@ impl Scene {
             frames_per_sec: crate::file::DEFAULT_FRAMES_PER_SEC,
             frame_count: 1,
             bounces: 0,
+            notes: Vec::new(),
         }
     }
 

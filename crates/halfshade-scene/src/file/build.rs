@@ -3,7 +3,7 @@
 use super::document::{
     AnimationTable, CameraTable, Document, EnvironmentTable, KeyframeTable, LightTable, Meshes, ObjectTable, SkyTable,
 };
-use super::source::{Source, stem};
+use super::source::{Source, named_notes, stem};
 use super::{DEFAULT_FRAMES_PER_SEC, DEFAULT_SPHERE_COUNT, framing, reflectance};
 use crate::light::{Projection, Sky, load_probe};
 use crate::scene::MAX_BOUNCES;
@@ -27,9 +27,12 @@ pub(super) fn scene(source: &Source<'_>, document: Document) -> Result<Scene> {
             .in_file(source.path)
             .with_remedy("add an [[object]] with a mesh or a shape"));
     }
-    let mut meshes = Meshes::new();
-    let objects: Vec<Object> =
-        document.object.into_iter().map(|table| object(source, table, &mut meshes)).collect::<Result<_>>()?;
+    let (mut meshes, mut notes) = (Meshes::new(), Vec::new());
+    let objects: Vec<Object> = document
+        .object
+        .into_iter()
+        .map(|table| object(source, table, &mut meshes, &mut notes))
+        .collect::<Result<_>>()?;
     let lights: Vec<_> = document.light.into_iter().map(|table| light(source, table)).collect::<Result<_>>()?;
     let (environment, turn) = match document.environment {
         Some(table) => environment(source, table)?,
@@ -57,6 +60,7 @@ pub(super) fn scene(source: &Source<'_>, document: Document) -> Result<Scene> {
         frames_per_sec,
         frame_count,
         bounces,
+        notes,
     })
 }
 
@@ -146,13 +150,18 @@ fn keyframes(source: &Source<'_>, table: &Spanned<Vec<Spanned<KeyframeTable>>>) 
     Ok(Motion::Keyframes(keys))
 }
 
-fn object(source: &Source<'_>, table: Spanned<ObjectTable>, meshes: &mut Meshes) -> Result<Object> {
+fn object(
+    source: &Source<'_>,
+    table: Spanned<ObjectTable>,
+    meshes: &mut Meshes,
+    notes: &mut Vec<String>,
+) -> Result<Object> {
     let span: Range<usize> = table.span();
     let table = table.into_inner();
     let (mesh, skin, default_name, is_plane) = match (&table.mesh, &table.shape) {
         (Some(name), None) => {
             let path = source.resolve(name.get_ref());
-            let (mesh, skin) = mesh_and_skin(source, name, &path, table.animation.as_ref(), meshes)?;
+            let (mesh, skin) = mesh_and_skin(source, name, &path, table.animation.as_ref(), meshes, notes)?;
             (mesh, skin, stem(&path), false)
         }
         (None, Some(name)) => {
@@ -215,19 +224,24 @@ fn mesh_and_skin(
     path: &Path,
     animation: Option<&Spanned<mesh::Animation>>,
     meshes: &mut Meshes,
+    notes: &mut Vec<String>,
 ) -> Result<(Arc<Mesh>, Option<Arc<Skin>>)> {
     let key = (path.to_owned(), animation.map(|animation| animation.get_ref().clone()));
     if let Some(known) = meshes.get(&key) {
         return Ok(known.clone());
     }
-    let (mesh, skin) = match animation {
-        None => (mesh::load(path).map_err(|error| source.named_at(name, error))?, None),
-        Some(animation) => mesh::load_animated(path, animation.get_ref()).map_err(|error| {
+    let (mesh, skin, found) = match animation {
+        None => {
+            let (mesh, found) = mesh::load_with_notes(path).map_err(|error| source.named_at(name, error))?;
+            (mesh, None, found)
+        }
+        Some(animation) => mesh::load_animated_with_notes(path, animation.get_ref()).map_err(|error| {
             // A sound file may lack what the scene asks for, so the place that asks is named as well.
             let asked_at = if path.is_file() { animation.span() } else { name.span() };
             source.error(asked_at, error.to_string())
         })?,
     };
+    notes.extend(named_notes(path, found));
     let loaded = (Arc::new(mesh), skin.map(Arc::new));
     meshes.insert(key, loaded.clone());
     Ok(loaded)

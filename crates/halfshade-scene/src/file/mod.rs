@@ -81,7 +81,7 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
 /// The scene of a mesh file by itself: the mesh at its own scale and place, a grey ground plane under its lowest point,
 /// a camera that sees all of it. The mesh casts shadows by [`DEFAULT_SPHERE_COUNT`] spheres.
 pub fn from_mesh(path: &Path, environment: Environment) -> Result<Scene, SceneError> {
-    let mesh = mesh::load(path)?;
+    let (mesh, notes) = mesh::load_with_notes(path)?;
     let (min, max) = mesh.bounds().ok_or_else(|| SceneError::new("the mesh is empty").in_file(path))?;
     let name = source::stem(path);
     let center = 0.5 * (min + max);
@@ -109,5 +109,9 @@ pub fn from_mesh(path: &Path, environment: Environment) -> Result<Scene, SceneEr
         motion: Motion::Still(Pose::IDENTITY),
         skin: None,
     };
-    Ok(Scene { camera: framing::camera_on(min, max), ..Scene::at_rest(name, vec![object, ground], environment) })
+    Ok(Scene {
+        camera: framing::camera_on(min, max),
+        notes: source::named_notes(path, notes),
+        ..Scene::at_rest(name, vec![object, ground], environment)
+    })
 }

@@ -61,6 +61,11 @@ impl<'a> Source<'a> {
     }
 }
 
+/// Notes that say which file they are about.
+pub(super) fn named_notes(path: &Path, notes: Vec<String>) -> Vec<String> {
+    notes.into_iter().map(|note| format!("{}: {note}", path.display())).collect()
+}
+
 /// A file's name without its extension.
 pub(super) fn stem(path: &Path) -> String {
     path.file_stem().map_or_else(|| "scene".to_owned(), |stem| stem.to_string_lossy().into_owned())

@@ -30,6 +30,8 @@ pub(super) struct RawMesh {
     pub(super) influences: Vec<[(u16, f32); INFLUENCES]>,
     /// What the file calls a vertex's place, for messages: its line number by vertex, where there are lines.
     pub(super) lines: Vec<usize>,
+    /// What was left out or guessed, for people.
+    pub(super) notes: Vec<String>,
 }
 
 /// A sound mesh.
@@ -38,13 +40,14 @@ pub(super) struct Assembled {
     pub(super) mesh: Mesh,
     /// As in [`RawMesh`], of the mesh's vertices.
     pub(super) influences: Vec<[(u16, f32); INFLUENCES]>,
-    /// What was repaired, for people.
+    /// What was left out, guessed and repaired, for people.
     pub(super) notes: Vec<String>,
 }
 
 /// Checks, repairs and completes a mesh; see [`super::load`].
 pub(super) fn assemble(raw: RawMesh) -> Result<Assembled, SceneError> {
-    let RawMesh { positions, normals, colors, texture_coordinates, textures, triangles, influences, lines } = raw;
+    let RawMesh { positions, normals, colors, texture_coordinates, textures, triangles, influences, lines, mut notes } =
+        raw;
     let about = |index: usize, problem: String| {
         let error = SceneError::new(problem).with_remedy("repair or rescale the mesh in the program that wrote it");
         match lines.get(index) {
@@ -76,7 +79,8 @@ pub(super) fn assemble(raw: RawMesh) -> Result<Assembled, SceneError> {
     if triangles.is_empty() {
         return Err(SceneError::new("the mesh has no triangles"));
     }
-    let (mesh, notes) = repaired(&Mesh { positions, normals, colors, texture_coordinates, textures, triangles });
+    let (mesh, repairs) = repaired(&Mesh { positions, normals, colors, texture_coordinates, textures, triangles });
+    notes.extend(repairs);
     if mesh.triangles.is_empty() {
         return Err(SceneError::new("no triangle of the mesh has an area"));
     }

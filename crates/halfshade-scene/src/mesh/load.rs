@@ -22,7 +22,7 @@ pub fn load(path: &Path) -> Result<Mesh, SceneError> {
     load_with_notes(path).map(|(mesh, _)| mesh)
 }
 
-/// Like [`load`], with what was repaired, for people.
+/// Like [`load`], with what was left out, guessed or repaired, for people.
 pub fn load_with_notes(path: &Path) -> Result<(Mesh, Vec<String>), SceneError> {
     let read: fn(&Path, &[u8]) -> Result<RawMesh, SceneError> = match extension(path).as_str() {
         "obj" => |_, bytes| obj::parse(bytes),
@@ -68,6 +68,14 @@ impl fmt::Display for Animation {
 ///
 /// An animation in which nothing moves is a pose: the mesh is returned in it, without a skin.
 pub fn load_animated(path: &Path, animation: &Animation) -> Result<(Mesh, Option<Skin>), SceneError> {
+    load_animated_with_notes(path, animation).map(|(mesh, skin, _)| (mesh, skin))
+}
+
+/// Like [`load_animated`], with what was left out, guessed or repaired, for people.
+pub fn load_animated_with_notes(
+    path: &Path,
+    animation: &Animation,
+) -> Result<(Mesh, Option<Skin>, Vec<String>), SceneError> {
     let about = |error: SceneError| error.in_file(path);
     let extension = extension(path);
     if !matches!(extension.as_str(), "gltf" | "glb") {
@@ -77,7 +85,7 @@ pub fn load_animated(path: &Path, animation: &Animation) -> Result<(Mesh, Option
         ));
     }
     let (raw, joints) = gltf::parse_animated(path, &bytes_of(path)?, animation).map_err(about)?;
-    let Assembled { mut mesh, influences, .. } = assemble(raw).map_err(about)?;
+    let Assembled { mut mesh, influences, notes } = assemble(raw).map_err(about)?;
     let skin = Skin { joints, influences };
     if skin.reach(&mesh) > f64::from(LARGEST_COORDINATE) {
         return Err(about(SceneError::new(format!(
@@ -85,11 +93,11 @@ pub fn load_animated(path: &Path, animation: &Animation) -> Result<(Mesh, Option
         ))));
     }
     if skin.moves() {
-        return Ok((mesh, Some(skin)));
+        return Ok((mesh, Some(skin), notes));
     }
     let posed = skin.deform(&mesh, 0.0);
     (mesh.positions, mesh.normals) = (posed.positions, posed.normals);
-    Ok((mesh, None))
+    Ok((mesh, None, notes))
 }
 
 fn extension(path: &Path) -> String {

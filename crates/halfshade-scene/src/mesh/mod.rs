@@ -11,7 +11,7 @@ mod repair;
 mod topology;
 mod weld;
 
-pub use load::{Animation, EXTENSIONS, load, load_animated, load_with_notes};
+pub use load::{Animation, EXTENSIONS, load, load_animated, load_animated_with_notes, load_with_notes};
 pub use normals::smooth_normals;
 pub use repair::repaired;
 pub use topology::{Body, Topology};

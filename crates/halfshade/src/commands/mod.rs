@@ -16,7 +16,7 @@ use crate::{
 };
 use glam::Vec3;
 use halfshade_harness::{HarnessError, Picture, SystemClock, run::Tools, scene_source};
-use halfshade_scene::{Scene, SceneError, cache::Cache, scene::MAX_BOUNCES};
+use halfshade_scene::{Progress, Scene, SceneError, cache::Cache, scene::MAX_BOUNCES};
 use halfshade_strategy::Strategy;
 use std::{
     path::{Path, PathBuf},
@@ -70,6 +70,7 @@ impl Context {
     /// The scene, its sphere sets not yet built.
     fn scene(&self, arguments: &SceneArguments) -> Result<Scene, Failure> {
         let mut scene = scene_source::resolve(&arguments.scene, Path::new(""), arguments.env.as_deref())?;
+        scene.notes.iter().for_each(|note| self.bars.note(note));
         if arguments.frame >= scene.frame_count.max(1) {
             return Err(Failure::Error(format!(
                 "scene `{}` has {} frames: there is no frame {}",
