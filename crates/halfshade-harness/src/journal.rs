@@ -1,15 +1,18 @@
 //! The journal of a run in progress: one line of JSON per fact, flushed at once, so that interruption loses nothing
 //! that was measured.
 //!
-//! The first line says what is being run. An interrupted write leaves a last line without its end: it is cut off when
-//! the journal is opened again. Damage anywhere else is refused.
+//! A line is an array of two: a checksum over it and all lines before it, and the fact. The first line says what is being
+//! run. An interrupted write leaves a last line without its end: it is cut off when the journal is opened again. Damage
+//! anywhere else, lines that are gone or change places among it, is refused.
 
 use crate::{
     HarnessError,
     image_metrics::Similarity,
+    inputs,
     results::{PictureFiles, Run, Sample},
 };
-use serde::{Deserialize, Serialize};
+use halfshade_scene::InputFile;
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use std::{
     fs::{File, OpenOptions},
     io::{Seek, SeekFrom, Write},
@@ -19,7 +22,7 @@ use std::{
 /// What is being run; a journal can only be continued by the same.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Header {
-    /// `halfshade.journal/1`.
+    /// [`SCHEMA`].
     pub schema: String,
     /// Hash of the experiment file.
     pub experiment_hash: String,
@@ -29,7 +32,40 @@ pub struct Header {
     pub threads: usize,
     /// Version and commit of the program.
     pub revision: String,
+    /// Hash of the program itself, which changes more often than its commit; empty if it isn't known.
+    pub program: String,
+    /// The files that the experiment's scenes are read from.
+    pub inputs: Vec<InputFile>,
 }
+
+impl Header {
+    /// Why what `self` began can't go on as `now`, if it can't.
+    pub fn difference(&self, now: &Self) -> Option<String> {
+        // Without `..`: what is added must be compared.
+        let Self { schema, experiment_hash, quick, threads, revision, program, inputs } = self;
+        let is_known = !program.is_empty() && !now.program.is_empty();
+        if *schema != now.schema || *revision != now.revision || (is_known && *program != now.program) {
+            return Some("it was started by another version of the program".to_owned());
+        }
+        if *experiment_hash != now.experiment_hash {
+            return Some("the experiment file has changed since".to_owned());
+        }
+        if *quick != now.quick {
+            return Some("it was started with another --quick".to_owned());
+        }
+        if *threads != now.threads {
+            return Some(format!("it was started with another number of threads, {threads}"));
+        }
+        let changes = inputs::changes(inputs, &now.inputs);
+        (!changes.is_empty()).then(|| changes.join(", "))
+    }
+}
+
+/// The name and version of the journal's layout.
+pub const SCHEMA: &str = "halfshade.journal/2";
+
+/// Hexadecimal digits of a checksum.
+const DIGITS: usize = 32;
 
 /// One fact.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -61,58 +97,81 @@ pub struct Journal {
     path: PathBuf,
     file: File,
     length: u64,
+    chain: Chain,
+}
+
+/// Checksums of lines, each over all that came before it.
+#[derive(Debug, Clone, Default)]
+struct Chain(blake3::Hasher);
+
+impl Chain {
+    /// The line of a fact in JSON.
+    fn line(&mut self, json: &str) -> String {
+        format!("[\"{}\",{json}]\n", self.next(json))
+    }
+
+    fn next(&mut self, json: &str) -> String {
+        self.0.update(json.as_bytes()).update(b"\n");
+        self.0.finalize().to_hex()[..DIGITS].to_owned()
+    }
+
+    /// The fact of a line without its end.
+    fn read<T: DeserializeOwned>(&mut self, line: &str) -> Result<T, String> {
+        let split = line.strip_prefix("[\"").and_then(|rest| rest.split_at_checked(DIGITS));
+        let (sum, json) = split
+            .and_then(|(sum, rest)| Some((sum, rest.strip_prefix("\",")?.strip_suffix(']')?)))
+            .ok_or("no checksum")?;
+        if self.next(json) != sum {
+            return Err("the checksum does not match".to_owned());
+        }
+        serde_json::from_str(json).map_err(|error| error.to_string())
+    }
 }
 
 impl Journal {
-    /// Starts a new journal at `path`. One that is already there is set aside as `*.old`.
+    /// Starts a new journal at `path`. One that is already there is set aside as `journal.old`.
     pub fn create(path: &Path, header: &Header) -> Result<Self, HarnessError> {
         let fail = |source| HarnessError::io(path, "write", source);
         if path.exists() {
-            std::fs::rename(path, path.with_extension("jsonl.old")).map_err(fail)?;
+            std::fs::rename(path, path.with_extension("old")).map_err(fail)?;
         }
         let file = OpenOptions::new().create_new(true).append(true).open(path).map_err(fail)?;
-        let mut journal = Self { path: path.to_owned(), file, length: 0 };
+        let mut journal = Self { path: path.to_owned(), file, length: 0, chain: Chain::default() };
         journal.append_line(header)?;
         Ok(journal)
     }
 
-    /// Opens the journal at `path` to go on, and returns what it holds.
-    pub fn resume(path: &Path, header: &Header) -> Result<(Self, Vec<Entry>), HarnessError> {
+    /// Opens the journal at `path` to go on, and returns what it holds; nothing if not even its first line was finished.
+    pub fn resume(path: &Path, header: &Header) -> Result<Option<(Self, Vec<Entry>)>, HarnessError> {
         let bytes = std::fs::read(path).map_err(|source| HarnessError::io(path, "read", source))?;
         let whole = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |last| last + 1);
         let text = std::str::from_utf8(&bytes[..whole])
             .map_err(|_| HarnessError::in_file(path, "damaged: not text; delete it to start again"))?;
-        let damaged = |line: usize, error: serde_json::Error| {
-            HarnessError::at_line(path, line + 1, format!("damaged: {error}; delete the file to start again"))
+        let damaged = |line: usize, problem: String| {
+            let problem = format!("damaged: {problem}; run without --resume to start again");
+            HarnessError::at_line(path, line + 1, problem)
         };
-        let mut lines = text.lines().enumerate();
-        let (_, first) = lines.next().ok_or_else(|| {
-            HarnessError::in_file(path, "holds nothing to resume; run without --resume to start again")
-        })?;
-        let found: Header = serde_json::from_str(first).map_err(|error| damaged(0, error))?;
-        if found != *header {
-            let what = if found.experiment_hash != header.experiment_hash {
-                "the experiment file has changed since"
-            } else if found.quick != header.quick {
-                "it was started with another --quick"
-            } else if found.threads != header.threads {
-                "it was started with another number of threads"
-            } else {
-                "it was started by another version of the program"
-            };
-            return Err(HarnessError::in_file(
-                path,
-                format!("cannot resume: {what}; run without --resume to start again"),
-            ));
+        let mut lines = text.split_terminator('\n').enumerate();
+        let Some((_, first)) = lines.next() else { return Ok(None) };
+        let mut chain = Chain::default();
+        if first.contains("\"halfshade.journal/") && !first.contains(&format!("\"{SCHEMA}\"")) {
+            let problem = "cannot resume: it was started by another version of the program; run without --resume to \
+                           start again";
+            return Err(HarnessError::in_file(path, problem));
+        }
+        let found: Header = chain.read(first).map_err(|problem| damaged(0, problem))?;
+        if let Some(what) = found.difference(header) {
+            let problem = format!("cannot resume: {what}; run without --resume to start again");
+            return Err(HarnessError::in_file(path, problem));
         }
         let mut entries = Vec::new();
         for (number, line) in lines {
-            entries.push(serde_json::from_str(line).map_err(|error| damaged(number, error))?);
+            entries.push(chain.read(line).map_err(|problem| damaged(number, problem))?);
         }
         let fail = |source| HarnessError::io(path, "write", source);
         let mut file = OpenOptions::new().write(true).open(path).map_err(fail)?;
         file.set_len(whole as u64).and_then(|()| file.seek(SeekFrom::End(0)).map(drop)).map_err(fail)?;
-        Ok((Self { path: path.to_owned(), file, length: whole as u64 }, entries))
+        Ok(Some((Self { path: path.to_owned(), file, length: whole as u64, chain }, entries)))
     }
 
     /// Adds one fact.
@@ -121,10 +180,10 @@ impl Journal {
     }
 
     fn append_line(&mut self, value: &impl Serialize) -> Result<(), HarnessError> {
-        let mut line = serde_json::to_vec(value)
+        let json = serde_json::to_string(value)
             .map_err(|error| HarnessError::in_file(&self.path, format!("cannot be written as JSON: {error}")))?;
-        line.push(b'\n');
-        if let Err(source) = self.file.write_all(&line) {
+        let line = self.chain.line(&json);
+        if let Err(source) = self.file.write_all(line.as_bytes()) {
             // What was written before stays whole; the error of this cut, if any, is the one already reported.
             let _ = self.file.set_len(self.length);
             return Err(HarnessError::io(&self.path, "write", source));
@@ -146,17 +205,25 @@ mod tests {
 
     fn header() -> Header {
         Header {
-            schema: "halfshade.journal/1".into(),
+            schema: SCHEMA.into(),
             experiment_hash: "ab".into(),
             quick: false,
             threads: 2,
             revision: "1".into(),
+            program: "ff".into(),
+            inputs: vec![InputFile { path: "scene.toml".into(), blake3: "cd".into() }],
         }
+    }
+
+    fn resume(path: &Path) -> Result<(Journal, Vec<Entry>), String> {
+        let resumed = Journal::resume(path, &header()).map_err(|error| error.to_string());
+        resumed.map(|journal| journal.expect("a journal with a first line"))
     }
 
     fn entries() -> Vec<Entry> {
         let run = results::tests::example().runs.remove(0);
-        let sample = Sample { prepare_secs: 0.001, shade_secs: 0.1 + 0.2 };
+        // Read without care for the last bit, the first of these would come back as its neighbour.
+        let sample = Sample { prepare_secs: 3.3300000000000005e-7, shade_secs: 0.1 + 0.2 };
         vec![Entry::Timed { key: run.key(), sample }, Entry::Scored(vec![run])]
     }
 
@@ -169,7 +236,7 @@ mod tests {
             journal.append(&entry).unwrap();
         }
         drop(journal);
-        let (journal, found) = Journal::resume(&path, &header()).unwrap();
+        let (journal, found) = resume(&path).unwrap();
         assert_eq!(found, entries());
         journal.finish().unwrap();
         assert!(!path.exists());
@@ -188,11 +255,15 @@ mod tests {
         for cut in first..bytes.len() {
             std::fs::write(&path, &bytes[..cut]).unwrap();
             let whole = bytes[..cut].iter().filter(|&&byte| byte == b'\n').count() - 1;
-            let (mut journal, found) = Journal::resume(&path, &header()).unwrap();
+            let (mut journal, found) = resume(&path).unwrap();
             assert_eq!(found, entries()[..whole]);
             journal.append(&entries()[0]).unwrap();
-            let (_, found) = Journal::resume(&path, &header()).unwrap();
+            let (_, found) = resume(&path).unwrap();
             assert_eq!(found.last(), entries().first());
+        }
+        for cut in 0..first {
+            std::fs::write(&path, &bytes[..cut]).unwrap();
+            assert!(Journal::resume(&path, &header()).unwrap().is_none());
         }
     }
 
@@ -205,14 +276,85 @@ mod tests {
         journal.append(&entries()[1]).unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
         std::fs::write(&path, text.replacen("timed", "tymed", 1)).unwrap();
-        let error = Journal::resume(&path, &header()).unwrap_err().to_string();
+        let error = resume(&path).unwrap_err();
         assert!(error.contains("journal.jsonl:2: damaged"), "{error}");
         std::fs::write(&path, text).unwrap();
-        let other = Header { experiment_hash: "cd".into(), ..header() };
-        assert!(Journal::resume(&path, &other).unwrap_err().to_string().contains("experiment file has changed"));
-        let other = Header { threads: 1, ..header() };
-        assert!(Journal::resume(&path, &other).unwrap_err().to_string().contains("threads"));
+        for (other, what) in [
+            (Header { experiment_hash: "cd".into(), ..header() }, "experiment file has changed"),
+            (Header { quick: true, ..header() }, "--quick"),
+            (Header { threads: 1, ..header() }, "threads, 2"),
+            (Header { revision: "2".into(), ..header() }, "another version"),
+            (Header { program: "fe".into(), ..header() }, "another version"),
+            (Header { schema: "halfshade.journal/1".into(), ..header() }, "another version"),
+            (Header { inputs: Vec::new(), ..header() }, "`scene.toml` is no longer read"),
+            (
+                Header { inputs: vec![InputFile { blake3: "ce".into(), ..header().inputs[0].clone() }], ..header() },
+                "`scene.toml` has changed",
+            ),
+        ] {
+            let error = Journal::resume(&path, &other).unwrap_err().to_string();
+            assert!(error.contains(what) && error.contains("without --resume"), "{what}: {error}");
+        }
+        assert!(Journal::resume(&path, &Header { program: String::new(), ..header() }).is_ok());
         Journal::create(&path, &header()).unwrap();
-        assert!(folder.path().join("journal.jsonl.old").exists());
+        assert!(folder.path().join("journal.old").exists());
+        // The first line of an older layout.
+        std::fs::write(&path, "{\"schema\":\"halfshade.journal/1\"}\n").unwrap();
+        assert!(resume(&path).unwrap_err().contains("another version"));
+    }
+
+    /// Bytes changed, taken out, put in, doubled, and lines exchanged: what is accepted is what was written.
+    #[test]
+    fn of_a_journal_damaged_at_random_nothing_wrong_is_taken() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("journal.jsonl");
+        let mut journal = Journal::create(&path, &header()).unwrap();
+        let run = results::tests::example().runs.remove(0);
+        let timed = |n: u32| Entry::Timed {
+            key: run.key(),
+            sample: Sample { prepare_secs: f64::from(n) / 7.0, shade_secs: f64::from(n) / 3.0 },
+        };
+        let written: Vec<Entry> = (0..9).map(timed).chain(entries()).collect();
+        written.iter().for_each(|entry| journal.append(entry).unwrap());
+        let sound = std::fs::read(&path).unwrap();
+        let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+        let mut random = |below: usize| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) as usize % below.max(1)
+        };
+        let mut refused = 0;
+        for _ in 0..3000 {
+            let mut bytes = sound.clone();
+            for _ in 0..1 + random(3) {
+                let place = random(bytes.len());
+                match random(6) {
+                    0 => bytes[place] ^= 1 << random(8),
+                    1 => bytes[place] = b"\n0]\"[ "[random(6)],
+                    2 => drop(bytes.remove(place)),
+                    3 => bytes.insert(place, random(256) as u8),
+                    4 => bytes.truncate(place.max(1)),
+                    _ => {
+                        let mut lines: Vec<&[u8]> = bytes.split_inclusive(|&byte| byte == b'\n').collect();
+                        let (a, b) = (random(lines.len()), random(lines.len()));
+                        if random(2) == 0 {
+                            lines.swap(a, b)
+                        } else {
+                            drop(lines.remove(a))
+                        }
+                        bytes = lines.concat();
+                    }
+                }
+                if bytes.is_empty() {
+                    break;
+                }
+            }
+            std::fs::write(&path, &bytes).unwrap();
+            match Journal::resume(&path, &header()) {
+                Ok(Some((_, found))) => assert!(written.starts_with(&found), "{found:?}"),
+                Ok(None) => {}
+                Err(_) => refused += 1,
+            }
+        }
+        assert!(refused > 1000, "{refused}");
     }
 }

@@ -1,43 +1,53 @@
 //! Writing files so that nothing half-written is ever seen.
 
 use crate::HarnessError;
+use halfshade_scene::InputFile;
 use std::{fs, io::Write, path::Path};
 
+/// What temporary files begin with.
+pub(crate) const TEMPORARY: &str = ".halfshade-";
+
 /// Writes `bytes` to `path`: to a temporary file beside it, flushed to the disk, then renamed. On any error the old
-/// file, if there was one, is untouched. What exists and is no plain file (a terminal, a pipe) is written to directly.
+/// file, if there was one, is untouched. A link stays, and what it leads to is written. What exists and is no plain file
+/// (a terminal, a pipe) is written to directly.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), HarnessError> {
     let fail = |source| HarnessError::io(path, "write", source);
-    if fs::metadata(path).is_ok_and(|metadata| !metadata.is_file()) {
+    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    let old = fs::metadata(&target);
+    if old.as_ref().is_ok_and(|metadata| !metadata.is_file()) {
         return fs::OpenOptions::new().write(true).open(path).and_then(|mut file| file.write_all(bytes)).map_err(fail);
     }
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    let mut file = tempfile::Builder::new().prefix(".halfshade-").tempfile_in(folder).map_err(fail)?;
+    let mut file = temporary(folder_of(&target)).map_err(fail)?;
     file.write_all(bytes).and_then(|()| file.as_file().sync_all()).map_err(fail)?;
-    set_usual_permissions(file.path()).map_err(fail)?;
-    file.persist(path).map_err(|error| fail(error.error))?;
+    if let Ok(old) = old {
+        file.as_file().set_permissions(old.permissions()).map_err(fail)?;
+    }
+    file.persist(target).map_err(|error| fail(error.error))?;
     Ok(())
 }
 
-/// Temporary files are private; results are for everyone the folder is open to.
-#[cfg(unix)]
-fn set_usual_permissions(path: &Path) -> std::io::Result<()> {
-    use std::os::unix::fs::PermissionsExt;
-    fs::set_permissions(path, fs::Permissions::from_mode(0o644))
+/// A file in `folder` that goes away unless it is renamed, open to whom files made there are open to.
+pub(crate) fn temporary(folder: &Path) -> std::io::Result<tempfile::NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(TEMPORARY);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // As far as the user's mask lets it.
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    builder.tempfile_in(folder)
 }
 
-#[cfg(not(unix))]
-fn set_usual_permissions(_path: &Path) -> std::io::Result<()> {
-    Ok(())
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// Makes `folder` and proves that files can be written there, before hours of work are spent.
 pub fn prepare_folder(folder: &Path) -> Result<(), HarnessError> {
     fs::create_dir_all(folder).map_err(|source| HarnessError::io(folder, "create this folder", source))?;
     let probe = || -> std::io::Result<()> {
-        let mut file = tempfile::Builder::new().prefix(".halfshade-").tempfile_in(folder)?;
+        let mut file = temporary(folder)?;
         // A full disk shows itself only when blocks are really allocated.
         file.write_all(&[0x5a; 1 << 16])?;
         file.as_file().sync_all()
@@ -45,25 +55,32 @@ pub fn prepare_folder(folder: &Path) -> Result<(), HarnessError> {
     probe().map_err(|source| HarnessError::io(folder, "write into this folder", source))
 }
 
-/// Checks that `path` can be written later, before work is spent on its content.
-pub fn check_writable(path: &Path) -> Result<(), HarnessError> {
-    if let Ok(metadata) = fs::metadata(path) {
-        if metadata.is_dir() {
+/// Checks that `path` can be written later, before work is spent on its content. True if that replaces a file.
+pub fn check_writable(path: &Path) -> Result<bool, HarnessError> {
+    let fail = |source| HarnessError::io(path, "write", source);
+    match (fs::symlink_metadata(path), fs::metadata(path)) {
+        (Ok(_), Ok(metadata)) if metadata.is_dir() => {
             return Err(HarnessError::in_file(path, "is a folder; give a file name"));
         }
-        if !metadata.is_file() {
-            return Ok(());
-        }
+        (Ok(_), Ok(metadata)) if !metadata.is_file() => return Ok(false),
+        (Ok(_), Err(_)) => return Err(HarnessError::in_file(path, "is a link that leads nowhere; remove it")),
+        // Also a name that is too long, which a temporary file wouldn't show.
+        (Err(error), _) if error.kind() != std::io::ErrorKind::NotFound => return Err(fail(error)),
+        _ => {}
     }
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    tempfile::Builder::new()
-        .prefix(".halfshade-")
-        .tempfile_in(folder)
-        .map(drop)
-        .map_err(|source| HarnessError::io(path, "write", source))
+    let target = fs::canonicalize(path);
+    let folder = folder_of(target.as_deref().unwrap_or(path));
+    temporary(folder).map_err(fail)?;
+    Ok(target.is_ok())
+}
+
+/// Refuses to write to `path` if that is one of the files that were read.
+pub fn check_no_input(path: &Path, inputs: &[InputFile]) -> Result<(), HarnessError> {
+    let Ok(target) = fs::canonicalize(path) else { return Ok(()) };
+    if inputs.iter().any(|input| fs::canonicalize(&input.path).is_ok_and(|input| input == target)) {
+        return Err(HarnessError::in_file(path, "is read as input and would be lost; give another file name"));
+    }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -78,6 +95,28 @@ mod tests {
         write_atomically(&path, b"second").unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"second");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+        assert!(check_writable(&path).unwrap() && !check_writable(&folder.path().join("b.json")).unwrap());
+        let input = InputFile { path: folder.path().join("./a.json"), blake3: String::new() };
+        assert!(check_no_input(&path, &[input]).unwrap_err().to_string().contains("read as input"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_are_followed_and_permissions_kept() {
+        use std::os::unix::fs::{PermissionsExt, symlink};
+        let folder = tempfile::tempdir().unwrap();
+        let [file, link, nowhere] = ["file", "link", "nowhere"].map(|name| folder.path().join(name));
+        fs::write(&file, "first").unwrap();
+        fs::set_permissions(&file, fs::Permissions::from_mode(0o600)).unwrap();
+        symlink("file", &link).unwrap();
+        symlink("nothing", &nowhere).unwrap();
+        assert!(check_writable(&link).unwrap());
+        write_atomically(&link, b"second").unwrap();
+        assert!(link.is_symlink());
+        assert_eq!(fs::read(&file).unwrap(), b"second");
+        assert_eq!(fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o600);
+        assert!(check_writable(&nowhere).unwrap_err().to_string().contains("leads nowhere"));
+        assert!(check_writable(&folder.path().join("n".repeat(300))).is_err());
     }
 
     #[test]

@@ -3,13 +3,14 @@
 use crate::{
     Experiment, HarnessError, ReceiverKind, ReferenceKind, Variant,
     experiment::{TimingSettings, View},
+    file_names, inputs,
     reference::Accuracy,
     scene_source, variant,
 };
 use glam::Vec3;
-use halfshade_scene::{Camera, Scene, scene::MAX_BOUNCES};
+use halfshade_scene::{Camera, InputFile, Scene, input, scene::MAX_BOUNCES};
 use halfshade_strategy::Strategy;
-use std::num::NonZeroUsize;
+use std::{num::NonZeroUsize, path::PathBuf};
 use toml::Spanned;
 
 /// Samples that a noise target starts with.
@@ -17,6 +18,12 @@ const FIRST_SAMPLES: usize = 256;
 
 /// `--quick` divides samples per receiver by this.
 const QUICK_SAMPLES: usize = 8;
+
+/// How much a difference between two strategies is magnified [Guerrero2007, figure 6.1].
+pub const DIFFERENCE_FACTOR: f32 = 10.0;
+
+/// What the picture of the truth is called.
+pub const TRUTH_LABEL: &str = "truth";
 
 const BAD_VIEW: &str = "camera: eye and target must be finite and apart, vertical_fov_degrees between 0 and 180";
 
@@ -66,12 +73,47 @@ pub struct Plan {
     pub difference: Option<[usize; 2]>,
     /// Size of pictures, if other than the camera's.
     pub resolution: Option<[u32; 2]>,
+    /// The files that the scenes were read from, relative to the experiment.
+    pub inputs: Vec<InputFile>,
 }
 
 impl Plan {
     /// Whether the variant at a place is compared with another one.
     pub fn is_compared(&self, place: usize) -> bool {
         self.pairs.iter().chain(&self.difference).flatten().any(|compared| *compared == place)
+    }
+
+    /// What the picture of the difference between the variants at two places is called.
+    pub fn difference_label(&self, pair: [usize; 2]) -> String {
+        let [a, b] = pair.map(|place| &self.variants[place].label);
+        format!("{DIFFERENCE_FACTOR} times the difference: {a} and {b}")
+    }
+
+    /// Every file that a run may write, relative to its folder.
+    pub fn outputs(&self) -> Vec<PathBuf> {
+        let mut files = ["results.json", "results.csv", "report.md"].map(PathBuf::from).to_vec();
+        let mut add = |base: String, endings: &[&str]| {
+            files.extend(endings.iter().map(|ending| PathBuf::from(format!("{base}{ending}"))));
+        };
+        for (scene, frames) in &self.scenes {
+            if self.timing.is_some() {
+                for (frame, kind) in
+                    frames.iter().flat_map(|frame| self.receivers.iter().map(move |kind| (*frame, kind)))
+                {
+                    add(file_names::plot(&scene.name, frame, &kind.to_string()), &[".svg", ".png"]);
+                }
+            }
+            let Some(&first) = frames.first().filter(|_| !self.pictured.is_empty()) else { continue };
+            let variants = self.variants.iter().filter(|variant| self.pictured.contains(&variant.key()));
+            for variant in variants {
+                add(file_names::picture(&scene.name, first, &variant.label), &[".exr", ".png", ".error.png"]);
+            }
+            let others = std::iter::once(TRUTH_LABEL.to_owned());
+            for label in others.chain(self.difference.map(|pair| self.difference_label(pair))) {
+                add(file_names::picture(&scene.name, first, &label), &[".exr", ".png"]);
+            }
+        }
+        files
     }
 
     /// Loads and checks everything, so that mistakes show before any work is done.
@@ -89,20 +131,43 @@ impl Plan {
             None => Vec::new(),
             Some(None) => variants.iter().map(Variant::key).collect(),
             Some(Some(specs)) => {
-                specs.iter().map(|spec| Ok(variants[place_of(spec)?].key())).collect::<Result<_, HarnessError>>()?
+                let mut pictured: Vec<String> = Vec::new();
+                for spec in specs {
+                    let key = variants[place_of(spec)?].key();
+                    if pictured.contains(&key) {
+                        let problem = format!("`{}` is pictured already; name each once", spec.get_ref());
+                        return Err(experiment.error_at(spec.span().start, problem));
+                    }
+                    pictured.push(key);
+                }
+                pictured
             }
         };
-        let difference = match settings.and_then(|settings| settings.difference.as_ref()) {
-            Some([a, b]) => Some([place_of(a)?, place_of(b)?]),
-            None => None,
+        let pair_of = |[a, b]: &[Spanned<String>; 2]| {
+            let pair = [place_of(a)?, place_of(b)?];
+            if pair[0] == pair[1] {
+                return Err(experiment.error_at(a.span().start, "this compares a strategy with itself: name two"));
+            }
+            Ok(pair)
         };
-        let pairs = experiment.compare.iter().map(|[a, b]| Ok([place_of(a)?, place_of(b)?]));
-        let pairs = pairs.collect::<Result<_, HarnessError>>()?;
+        let difference = settings.and_then(|settings| settings.difference.as_ref()).map(pair_of).transpose()?;
+        let mut pairs: Vec<[usize; 2]> = Vec::new();
+        for specs in &experiment.compare {
+            let pair = pair_of(specs)?;
+            if pairs.contains(&pair) {
+                let problem = "`compare` has this pair already; name each once";
+                return Err(experiment.error_at(specs[0].span().start, problem));
+            }
+            pairs.push(pair);
+        }
         let folder = experiment.path.parent().unwrap_or(std::path::Path::new("."));
         let mut scenes: Vec<(Scene, Vec<usize>)> = Vec::new();
+        let mut inputs = Vec::new();
         for entry in &experiment.scenes {
-            let mut scene = scene_source::resolve(entry.name.get_ref(), folder, entry.environment.as_deref())
-                .map_err(|error| experiment.error_at(entry.name.span().start, error.to_string()))?;
+            let (scene, files) =
+                input::recorded(|| scene_source::resolve(entry.name.get_ref(), folder, entry.environment.as_deref()));
+            inputs.extend(files);
+            let mut scene = scene.map_err(|error| experiment.error_at(entry.name.span().start, error.to_string()))?;
             if let Some(light) = &entry.environment {
                 let light = light.rsplit(['/', '\\']).next().unwrap_or(light);
                 scene.name = format!("{}, {light}", scene.name);
@@ -122,9 +187,11 @@ impl Plan {
                 share_out_spheres(&mut scene, count.get());
             }
             if scenes.iter().any(|(other, _)| other.name == scene.name) {
-                return Err(
-                    experiment.error_at(entry.name.span().start, format!("scene `{}` is listed twice", scene.name))
+                let problem = format!(
+                    "scene `{}` is listed twice: list it once, or give another `name` in its file to one of them",
+                    scene.name
                 );
+                return Err(experiment.error_at(entry.name.span().start, problem));
             }
             let mut frames = entry.frames.clone().unwrap_or_else(|| experiment.frames.clone());
             if let Some(past) = frames.iter().find(|frame| **frame >= scene.frame_count.max(1)) {
@@ -138,12 +205,8 @@ impl Plan {
             scenes.push((scene, frames));
         }
         // The mesh always comes first: it is the truth that everything is relative to.
-        let mut references = vec![ReferenceKind::Mesh];
-        for kind in &experiment.references {
-            if !references.contains(kind) {
-                references.push(*kind);
-            }
-        }
+        let others = experiment.references.iter().filter(|kind| **kind != ReferenceKind::Mesh);
+        let references = std::iter::once(ReferenceKind::Mesh).chain(others.copied()).collect();
         let divisor = if quick { QUICK_SAMPLES } else { 1 };
         let samples = experiment.truth.samples.map_or(FIRST_SAMPLES, |samples| samples.get() as usize);
         let accuracy = Accuracy {
@@ -177,6 +240,7 @@ impl Plan {
             pictured,
             difference,
             resolution,
+            inputs: inputs::relative_to(folder, inputs),
         })
     }
 

@@ -1,11 +1,7 @@
 //! References: the truth, and truths of simpler scenes that tell where an error comes from.
 
-use crate::{HarnessError, ReferenceKind, metrics::Reference};
-use halfshade_scene::{
-    Environment, Frame, Progress, RadianceBuffer, Receivers, Scene,
-    cache::{Cache, CacheKey},
-    light::DistantLight,
-};
+use crate::{HarnessError, ReferenceKind, metrics::Reference, reference_key::key};
+use halfshade_scene::{Environment, Progress, RadianceBuffer, Receivers, Scene, cache::Cache};
 use halfshade_truth::{Geometry, Options, Tracer, estimate};
 use serde::{Deserialize, Serialize};
 
@@ -31,9 +27,6 @@ struct Stored {
     samples: usize,
     unshadowed_mean: f64,
 }
-
-/// Raise it whenever the meaning of what is cached changes.
-const VERSION: u32 = 3;
 
 /// What traces references.
 pub struct ReferenceTracer<'a> {
@@ -95,58 +88,4 @@ impl ReferenceTracer<'_> {
         };
         Ok((reference, stored.samples))
     }
-}
-
-/// Everything the truth depends on, by its exact bits.
-fn key(frame: &Frame<'_>, receivers: Receivers<'_>, options: &Options) -> CacheKey {
-    let mut key = CacheKey::new("truth", VERSION)
-        .value(&(&receivers.position, &receivers.normal, &receivers.albedo, receivers.index))
-        .value(&(options.samples, options.noise_target, options.max_samples, options.seed, options.bounces))
-        .bytes(format!("{:?} {:?}", options.geometry, options.transport).as_bytes())
-        .value(&frame.world_from_environment);
-    for (number, pose) in frame.world_from_object.iter().enumerate() {
-        let object = &frame.scene.objects[number];
-        key = key.value(&(frame.positions(number), &object.mesh.triangles)).value(&(
-            pose.scale,
-            pose.rotation,
-            pose.translation,
-        ));
-        if frame.deformed(number).is_some() {
-            // How the spheres below have followed depends on the rest as well.
-            key = key.value(&object.mesh.positions);
-        }
-        for sphere in object.spheres.iter().flat_map(|set| &set.spheres) {
-            key = key.value(&(sphere.center, sphere.radius));
-        }
-    }
-    if frame.scene.is_glossy() {
-        let eye = frame.scene.camera.eye;
-        key = key.value(&(eye, receivers.object, receivers.specular_factor, receivers.exponent_factor));
-        for object in &frame.scene.objects {
-            key = key.bytes(format!("{:?}", object.material.reflectance).as_bytes());
-            if options.bounces > 0 {
-                key = key.bytes(format!("{:?}", object.material.gloss_variation).as_bytes());
-            }
-        }
-    }
-    if options.bounces > 0 {
-        for (number, object) in frame.scene.objects.iter().enumerate() {
-            let mesh = &object.mesh;
-            key = key.value(&(object.material.albedo, frame.normals(number), &mesh.colors, &mesh.texture_coordinates));
-            key = key.value(&object.material.texture.is_some());
-            for texture in mesh.textures.iter().chain(&object.material.texture) {
-                key = key.value(&**texture);
-            }
-        }
-    }
-    let environment = &frame.scene.environment;
-    key = match &environment.base {
-        DistantLight::Constant(radiance) => key.value(radiance),
-        DistantLight::Map(map) => key.value(&(map.width(), map.height(), map.texels())),
-    };
-    key = key.value(&environment.sun.map(|sun| (sun.direction, sun.angular_radius, sun.radiance)));
-    for light in &frame.lights {
-        key = key.value(&(light.center, light.radius, light.radiance));
-    }
-    key
 }

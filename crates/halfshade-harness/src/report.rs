@@ -1,13 +1,10 @@
 //! What people read: a page of tables, plots and pictures, from stored results.
 
 use crate::{
-    HarnessError, Results,
-    output::write_atomically,
-    plot,
-    run::file_name,
+    HarnessError, Results, file_names, plot,
     table::{self, Format, Table},
 };
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Where the numbers come from, in one line.
 pub fn provenance(results: &Results) -> String {
@@ -41,30 +38,27 @@ fn further_tables(results: &Results, scene: &str, frame: usize, receivers: &str)
     [split, differences, details].into_iter().flatten()
 }
 
-/// Writes `results.json`, `results.csv`, the plots and `report.md` into `out`.
-pub fn write_all(results: &Results, out: &Path) -> Result<(), HarnessError> {
-    write_atomically(&out.join("results.json"), results.to_json()?.as_bytes())?;
-    write_atomically(&out.join("results.csv"), table::results_csv(results).as_bytes())?;
-    write_plots(results, out)?;
-    write_atomically(&out.join("report.md"), report(results, Format::Markdown).as_bytes())
+/// Writes bytes to a path below the results.
+pub type Write<'a> = dyn FnMut(&Path, &[u8]) -> Result<(), HarnessError> + 'a;
+
+/// Writes `results.json`, `results.csv`, the plots and `report.md`.
+pub fn write_all(results: &Results, write: &mut Write<'_>) -> Result<(), HarnessError> {
+    write(Path::new("results.json"), results.to_json()?.as_bytes())?;
+    write(Path::new("results.csv"), table::results_csv(results).as_bytes())?;
+    write_plots(results, write)?;
+    write(Path::new("report.md"), report(results, Format::Markdown).as_bytes())
 }
 
-/// Draws the plots of `results` into `out/plots`.
-pub fn write_plots(results: &Results, out: &Path) -> Result<(), HarnessError> {
+/// Draws the plots of `results`, into `plots`.
+pub fn write_plots(results: &Results, write: &mut Write<'_>) -> Result<(), HarnessError> {
     for (scene, frame, receivers) in table::groups(results) {
         let Some(plot) = plot::error_against_time(results, &scene, frame, &receivers) else { continue };
-        let folder = out.join("plots");
-        std::fs::create_dir_all(&folder).map_err(|source| HarnessError::io(&folder, "create", source))?;
-        let path = folder.join(plot_name(&scene, frame, &receivers));
+        let path = PathBuf::from(file_names::plot(&scene, frame, &receivers));
         let (svg, png) = plot.map_err(|problem| HarnessError::in_file(&path, format!("cannot be drawn: {problem}")))?;
-        write_atomically(&path.with_added_extension("svg"), svg.as_bytes())?;
-        write_atomically(&path.with_added_extension("png"), &png)?;
+        write(&path.with_added_extension("svg"), svg.as_bytes())?;
+        write(&path.with_added_extension("png"), &png)?;
     }
     Ok(())
-}
-
-fn plot_name(scene: &str, frame: usize, receivers: &str) -> String {
-    file_name(&format!("error-time-{scene}-{frame:04}-{receivers}"))
 }
 
 /// The page in `format`: for CSV every number of every run, for LaTeX the tables, else tables, plots and pictures.
@@ -79,7 +73,7 @@ pub fn report(results: &Results, format: Format) -> String {
                 page += &format!("\n## {scene}, frame {frame}, {receivers}\n\n");
                 page += &table::scene_table(results, &scene, frame, &receivers).write(format, &provenance);
                 if plot::error_against_time(results, &scene, frame, &receivers).is_some() {
-                    page += &format!("\n![error against time](plots/{}.svg)\n", plot_name(&scene, frame, &receivers));
+                    page += &format!("\n![error against time]({}.svg)\n", file_names::plot(&scene, frame, &receivers));
                 }
                 for table in further_tables(results, &scene, frame, &receivers) {
                     page += &format!("\n{}", table.write(format, &provenance));
@@ -155,7 +149,11 @@ mod tests {
     #[test]
     fn everything_is_written_and_can_be_written_again_from_what_is_stored() {
         let folder = tempfile::tempdir().unwrap();
-        write_all(&example(), folder.path()).unwrap();
+        let mut write = |file: &Path, bytes: &[u8]| {
+            std::fs::create_dir_all(folder.path().join(file).parent().unwrap()).unwrap();
+            crate::output::write_atomically(&folder.path().join(file), bytes)
+        };
+        write_all(&example(), &mut write).unwrap();
         for name in ["results.json", "results.csv", "report.md"] {
             assert!(folder.path().join(name).exists(), "{name}");
         }

@@ -3,6 +3,7 @@
 //! Keys may be added, none is renamed; units stand in names. What was not measured is `null`.
 
 use crate::{HarnessError, Published, image_metrics::Similarity, metrics::Metrics, statistics::Spread};
+use halfshade_scene::InputFile;
 use serde::{Deserialize, Serialize};
 use std::{collections::BTreeMap, path::Path};
 
@@ -20,6 +21,10 @@ pub struct Results {
     pub claim: String,
     /// BLAKE3 hash of the experiment file: resuming and comparing are between equals.
     pub experiment_hash: String,
+    /// The files that its scenes are read from, with paths relative to the experiment; absent from results of earlier
+    /// versions, which didn't tell.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inputs: Option<Vec<InputFile>>,
     /// Whether it ran with `--quick`: fewer samples, not to be published.
     pub quick: bool,
     /// Version and commit of the program.
@@ -330,6 +335,7 @@ pub(crate) mod tests {
             experiment: "example".into(),
             claim: "fast is not exact".into(),
             experiment_hash: "00".into(),
+            inputs: Some(vec![InputFile { path: "../scene.toml".into(), blake3: "01".into() }]),
             quick: false,
             revision: "0.1.0".into(),
             machine: Machine { cpu: "an abacus".into(), threads: 2, gpu: None, os: "none".into() },
@@ -368,9 +374,9 @@ pub(crate) mod tests {
         let text = results.to_json().unwrap();
         assert_eq!(serde_json::from_str::<Results>(&text).unwrap(), results);
         // Files from before there were differences, and those of experiments without.
-        let none = Results { differences: Vec::new(), ..results };
+        let none = Results { differences: Vec::new(), inputs: None, ..results };
         let text = none.to_json().unwrap();
-        assert!(!text.contains("differences"));
+        assert!(!text.contains("differences") && !text.contains("inputs"));
         assert_eq!(serde_json::from_str::<Results>(&text).unwrap(), none);
         let text = example().to_json().unwrap();
         let json: serde_json::Value = serde_json::from_str(&text).unwrap();

@@ -3,33 +3,30 @@
 use crate::{
     Clock, Experiment, HarnessError, Picture, ReceiverKind, ReferenceKind, Results, Variant,
     clock::time_secs,
+    file_names,
     image_io::{exr_bytes, png_bytes},
     image_metrics::Similarity,
-    journal::{Entry, Header, Journal},
+    inputs,
+    journal::{self, Entry, Header, Journal},
     machine,
     metrics::{Metrics, Reference, compare, mean},
-    output::{prepare_folder, write_atomically},
+    out_folder::OutFolder,
     picture_colors::signed_error,
-    plan::Plan,
+    plan::{DIFFERENCE_FACTOR, Plan, TRUTH_LABEL},
     projection::Projection,
     reference::{BandLimit, ReferenceTracer},
     results::{
         Detail, Difference, ErrorFigures, Memory, PictureFiles, Run, SCHEMA, Sample, SceneFacts, Status, TimeFigures,
         TruthFigures,
     },
+    resume::{Beginning, Known},
     shading::{count_not_finite, shade_all},
 };
 use glam::Vec3;
-use halfshade_scene::{Frame, Progress, RadianceBuffer, ReceiverBuffer, Scene, cache::Cache};
+use halfshade_scene::{Frame, InputFile, Progress, RadianceBuffer, ReceiverBuffer, Scene, cache::Cache};
 use halfshade_strategy::{Baked, Effects, Strategy, StrategyError};
 use halfshade_truth::Tracer;
-use std::{
-    collections::{BTreeMap, HashMap},
-    path::{Path, PathBuf},
-};
-
-/// How much a difference between two strategies is magnified [Guerrero2007, figure 6.1].
-const DIFFERENCE_FACTOR: f32 = 10.0;
+use std::{collections::BTreeMap, path::PathBuf};
 
 /// What the harness is given: it names no strategy and owns no terminal.
 pub struct Tools<'a> {
@@ -58,20 +55,23 @@ pub struct RunOptions {
     pub resume: bool,
     /// Where pictures, results and the journal go; without it nothing is written, timed or pictured.
     pub out: Option<PathBuf>,
-}
-
-/// What the journal knows already.
-#[derive(Default)]
-struct Known {
-    scored: HashMap<String, Vec<Run>>,
-    samples: HashMap<String, Vec<Sample>>,
-    pictured: HashMap<String, (PictureFiles, Similarity)>,
-    truths: Vec<PictureFiles>,
+    /// Refuse scenes that are read from other files than these.
+    pub inputs: Option<Vec<InputFile>>,
 }
 
 /// Runs `experiment` and returns its results; with [`RunOptions::out`], `results.json` and its company lie there.
 pub fn run(experiment: &Experiment, tools: &Tools<'_>, options: &RunOptions) -> Result<Results, HarnessError> {
     let plan = Plan::new(experiment, tools.strategies, options.quick)?;
+    if let Some(expected) = &options.inputs {
+        let changes = inputs::changes(expected, &plan.inputs);
+        if !changes.is_empty() {
+            let problem = format!(
+                "the baseline was made from other files, so that errors can't be compared: {}; make it again",
+                changes.join(", ")
+            );
+            return Err(HarnessError::in_file(&experiment.path, problem));
+        }
+    }
     let timing_threads = plan.timing.and_then(|timing| timing.threads).map(|threads| threads.get());
     let threads = options.threads.or(timing_threads).unwrap_or_else(machine::threads);
     let mut results = Results {
@@ -80,6 +80,7 @@ pub fn run(experiment: &Experiment, tools: &Tools<'_>, options: &RunOptions) -> 
         claim: experiment.claim.clone(),
         experiment_hash: blake3::hash(experiment.text.as_bytes()).to_hex().to_string(),
         quick: options.quick,
+        inputs: Some(plan.inputs.clone()),
         revision: tools.revision.to_owned(),
         machine: machine::describe(threads),
         strategies: tools.strategies.iter().map(|strategy| strategy.info().name.to_owned()).collect(),
@@ -89,32 +90,23 @@ pub fn run(experiment: &Experiment, tools: &Tools<'_>, options: &RunOptions) -> 
         pictures: Vec::new(),
     };
     let header = Header {
-        schema: "halfshade.journal/1".into(),
+        schema: journal::SCHEMA.into(),
         experiment_hash: results.experiment_hash.clone(),
         quick: options.quick,
         threads,
         revision: tools.revision.to_owned(),
+        program: machine::program_hash(),
+        inputs: plan.inputs.clone(),
     };
-    let (journal, known) = match &options.out {
+    let (place, known) = match &options.out {
         None => (None, Known::default()),
-        Some(out) => {
-            prepare_folder(out)?;
-            let path = out.join("journal.jsonl");
-            if options.resume && path.exists() {
-                let (journal, entries) = Journal::resume(&path, &header)?;
-                (Some(journal), Known::of(entries))
-            } else {
-                if options.resume {
-                    tools.progress.note("nothing to resume: starting from the beginning");
-                }
-                (Some(Journal::create(&path, &header)?), Known::default())
-            }
-        }
+        Some(out) => match Beginning::of(out, &plan.outputs(), &header, options.resume, tools.progress)? {
+            Beginning::Finished(results) => return Ok(*results),
+            Beginning::Open(folder, journal, known) => (Some((folder, journal)), known),
+        },
     };
-    // Truths are kept until the run is complete: resuming would otherwise trace them again.
-    let truth_folder = options.out.as_ref().map(|out| out.join("truth"));
-    let truth_cache = truth_folder.clone().map_or_else(Cache::disabled, |folder| Cache::open(Some(folder)));
-    let mut session = Session { tools, plan: &plan, options, threads, journal, known, truth_cache };
+    let truth_cache = place.as_ref().map_or_else(Cache::disabled, |(folder, _)| folder.truths());
+    let mut session = Session { tools, plan: &plan, threads, place, known, truth_cache };
     machine::with_threads(Some(threads), || {
         for (number, (scene, frames)) in plan.scenes.iter().enumerate() {
             let mut scene = scene.clone();
@@ -138,45 +130,20 @@ pub fn run(experiment: &Experiment, tools: &Tools<'_>, options: &RunOptions) -> 
         }
         Ok::<(), HarnessError>(())
     })??;
-    if let Some(out) = &options.out {
-        crate::report::write_all(&results, out)?;
-        if let Some(journal) = session.journal.take() {
-            journal.finish()?;
-        }
-        if let Some(folder) = truth_folder.filter(|folder| folder.exists()) {
-            std::fs::remove_dir_all(&folder).map_err(|source| HarnessError::io(&folder, "remove", source))?;
-        }
+    if let Some((mut folder, journal)) = session.place.take() {
+        crate::report::write_all(&results, &mut |file, bytes| folder.write(file, bytes))?;
+        folder.remove_truths();
+        journal.finish()?;
     }
     Ok(results)
-}
-
-impl Known {
-    fn of(entries: Vec<Entry>) -> Self {
-        let mut known = Self::default();
-        for entry in entries {
-            match entry {
-                Entry::Scored(runs) => {
-                    if let Some(run) = runs.first() {
-                        known.scored.insert(run.key(), runs);
-                    }
-                }
-                Entry::Timed { key, sample } => known.samples.entry(key).or_default().push(sample),
-                Entry::Pictured { key: Some(key), files, similarity } => {
-                    known.pictured.insert(key, (files, similarity));
-                }
-                Entry::Pictured { key: None, files, .. } => known.truths.push(files),
-            }
-        }
-        known
-    }
 }
 
 struct Session<'a> {
     tools: &'a Tools<'a>,
     plan: &'a Plan,
-    options: &'a RunOptions,
     threads: usize,
-    journal: Option<Journal>,
+    /// Where it is written, if it is.
+    place: Option<(OutFolder, Journal)>,
     known: Known,
     truth_cache: Cache,
 }
@@ -203,7 +170,7 @@ impl Session<'_> {
         let frame = scene.frame(index);
         let tracer = Tracer::new(&frame);
         let camera = self.plan.camera(scene);
-        let pictured = pictured && self.options.out.is_some() && !self.plan.pictured.is_empty();
+        let pictured = pictured && self.place.is_some() && !self.plan.pictured.is_empty();
         let (receivers, projection) = match kind {
             ReceiverKind::Vertices => {
                 let projection = pictured.then(|| Projection::of_vertices(&tracer, &frame, &camera));
@@ -281,7 +248,7 @@ impl Session<'_> {
                 self.append(Entry::Pictured { key: Some(key.clone()), files: files.clone(), similarity })?;
                 self.known.pictured.insert(key.clone(), (files, similarity));
             }
-            if let (Some(baked), true) = (baked, self.plan.timing.is_some() && self.options.out.is_some()) {
+            if let (Some(baked), true) = (baked, self.plan.timing.is_some() && self.place.is_some()) {
                 ready.push(Ready { key, baked });
             }
             if self.plan.is_compared(place) {
@@ -302,8 +269,7 @@ impl Session<'_> {
         if let (Some(projection), Some(pair)) = (&projection, to_draw)
             && let Some((first, second)) = both(pair)
         {
-            let [a, b] = pair.map(|place| &self.plan.variants[place].label);
-            let label = format!("{DIFFERENCE_FACTOR} times the difference: {a} and {b}");
+            let label = self.plan.difference_label(pair);
             let [first, second] = [first, second].map(|radiance| projection.picture(radiance, Vec3::ZERO));
             let picture = first.magnified_difference(&second, DIFFERENCE_FACTOR);
             let files = self.write_pictures(scene, index, &label, &picture, None, exposure)?;
@@ -508,14 +474,14 @@ impl Session<'_> {
             return Ok(());
         }
         let picture = projection.picture(&truth.radiance, Vec3::ZERO);
-        let files = self.write_pictures(scene, frame, "truth", &picture, None, exposure)?;
+        let files = self.write_pictures(scene, frame, TRUTH_LABEL, &picture, None, exposure)?;
         self.append(Entry::Pictured { key: None, files: files.clone(), similarity: Similarity::default() })?;
         self.known.truths.push(files);
         Ok(())
     }
 
     fn write_pictures(
-        &self,
+        &mut self,
         scene: &Scene,
         frame: usize,
         label: &str,
@@ -523,15 +489,14 @@ impl Session<'_> {
         truth: Option<(&Picture, &Reference)>,
         exposure: f32,
     ) -> Result<PictureFiles, HarnessError> {
-        let out = self.options.out.as_deref().unwrap_or(Path::new("."));
-        let folder = PathBuf::from("pictures").join(file_name(&format!("{}-{frame:04}", scene.name)));
-        let absolute = out.join(&folder);
-        std::fs::create_dir_all(&absolute).map_err(|source| HarnessError::io(&absolute, "create", source))?;
-        let write = |ending: &str, bytes: Result<Vec<u8>, String>| -> Result<String, HarnessError> {
-            let path = folder.join(format!("{}{ending}", file_name(label)));
-            let bytes = bytes.map_err(|problem| HarnessError::in_file(&out.join(&path), problem))?;
-            write_atomically(&out.join(&path), &bytes)?;
-            Ok(path.to_string_lossy().replace('\\', "/"))
+        let base = file_names::picture(&scene.name, frame, label);
+        let mut write = |ending: &str, bytes: Result<Vec<u8>, String>| -> Result<String, HarnessError> {
+            let file = PathBuf::from(format!("{base}{ending}"));
+            let bytes = bytes.map_err(|problem| HarnessError::in_file(&file, problem))?;
+            if let Some((folder, _)) = &mut self.place {
+                folder.write(&file, &bytes)?;
+            }
+            Ok(format!("{base}{ending}"))
         };
         let error = truth.map(|(truth, reference)| (picture.minus(truth), truth, reference));
         let mut layers = vec![("", picture)];
@@ -555,7 +520,7 @@ impl Session<'_> {
     }
 
     fn append(&mut self, entry: Entry) -> Result<(), HarnessError> {
-        self.journal.as_mut().map_or(Ok(()), |journal| journal.append(&entry))
+        self.place.as_mut().map_or(Ok(()), |(_, journal)| journal.append(&entry))
     }
 }
 
@@ -596,11 +561,6 @@ fn truth_figures(reference: &Reference, samples: usize, mesh: &Reference) -> Tru
         rms_standard_error: reference.rms_standard_error(),
         unshadowed_mean: mesh.unshadowed_mean,
     }
-}
-
-/// A name that is a file name everywhere.
-pub(crate) fn file_name(label: &str) -> String {
-    label.chars().map(|c| if c.is_ascii_alphanumeric() || matches!(c, '-' | '.') { c } else { '_' }).collect()
 }
 
 #[cfg(test)]
@@ -652,10 +612,5 @@ mod tests {
         assert_eq!((found.first.as_str(), found.second.as_str(), found.scene.as_str()), ("a", "b", "vases"));
         assert_eq!((found.mean, found.bias, found.mae, found.max), (2.25, -0.25, 0.75, 1.0));
         assert!(difference_between(&buffer([1.0, 3.0]), &RadianceBuffer::zeros(0), blank("a"), blank("b")).is_none());
-    }
-
-    #[test]
-    fn file_names_hold_nothing_that_a_file_system_minds() {
-        assert_eq!(file_name("toy:mode=a/b,n=2"), "toy_mode_a_b_n_2");
     }
 }

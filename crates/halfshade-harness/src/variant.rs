@@ -54,7 +54,11 @@ impl Variant {
     }
 }
 
-/// Every variant an experiment asks for, in its order, each once.
+/// Most variants of an experiment.
+const MAX_VARIANTS: usize = 10_000;
+
+/// Every variant an experiment asks for, in its order. Sweeps that meet run once where they do; a list that names a value
+/// twice and a table that adds nothing are mistakes.
 pub fn sweep(experiment: &Experiment, strategies: &[Box<dyn Strategy>]) -> Result<Vec<Variant>, HarnessError> {
     let mut variants: Vec<Variant> = Vec::new();
     for table in &experiment.strategies {
@@ -74,6 +78,14 @@ pub fn sweep(experiment: &Experiment, strategies: &[Box<dyn Strategy>]) -> Resul
                 toml::Value::Array(values) => values.as_slice(),
                 single => std::slice::from_ref(single),
             };
+            if let Some(place) = (0..values.len()).find(|&place| values[..place].contains(&values[place])) {
+                let problem = format!("`{key}` lists {} twice; list each value once", values[place]);
+                return Err(experiment.error_at(offset, problem));
+            }
+            if specs.len().saturating_mul(values.len()) > MAX_VARIANTS {
+                let problem = format!("the sweep has more than {MAX_VARIANTS} combinations; leave some values out");
+                return Err(experiment.error_at(offset, problem));
+            }
             let mut swept = Vec::with_capacity(specs.len() * values.len());
             for (_, spec) in &specs {
                 for value in values {
@@ -94,11 +106,16 @@ pub fn sweep(experiment: &Experiment, strategies: &[Box<dyn Strategy>]) -> Resul
                 Variant::parse(strategies, spec).map_err(|problem| experiment.error_at(*offset, problem))?;
             }
         }
+        let before = variants.len();
         for (offset, spec) in specs {
             let variant = Variant::parse(strategies, &spec).map_err(|problem| experiment.error_at(offset, problem))?;
             if variants.iter().all(|other| other.key() != variant.key()) {
                 variants.push(variant);
             }
+        }
+        if variants.len() == before {
+            let problem = format!("all of this `{name}` is listed above already; leave it out, or set its parameters");
+            return Err(experiment.error_at(at_name, problem));
         }
     }
     Ok(variants)
@@ -121,11 +138,11 @@ mod tests {
     }
 
     #[test]
-    fn lists_sweep_and_repetitions_run_once() {
+    fn lists_sweep_and_run_once_where_they_meet() {
         let text = experiment::tests::SMALL;
         assert_eq!(labels(text).unwrap(), ["dim:factor=0.5", "dim:factor=0.25"]);
-        let twice = format!("{text}[[strategy]]\nname = \"dim\"\nfactor = 0.5\n[[strategy]]\nname = \"black\"\n");
-        assert_eq!(labels(&twice).unwrap(), ["dim:factor=0.5", "dim:factor=0.25", "black"]);
+        let twice = format!("{text}[[strategy]]\nname = \"dim\"\nfactor = [0.5, 1]\n[[strategy]]\nname = \"black\"\n");
+        assert_eq!(labels(&twice).unwrap(), ["dim:factor=0.5", "dim:factor=0.25", "dim:factor=1", "black"]);
     }
 
     #[test]
@@ -136,6 +153,13 @@ mod tests {
         let error = labels(&text.replace("\"dim\"\nfactor", "\"dimm\"\nfactor")).unwrap_err();
         assert!(error.starts_with("e.toml:8: unknown strategy `dimm`; known: dim, black"), "{error}");
         assert!(labels(&text.replace("0.25", "7.0")).unwrap_err().contains("expected 0..=1"));
+        let error = labels(&text.replace("0.25", "0.5")).unwrap_err();
+        assert!(error.starts_with("e.toml:9: `factor` lists 0.5 twice"), "{error}");
+        let error = labels(&format!("{text}[[strategy]]\nname = \"dim\"\nfactor = 0.25\n")).unwrap_err();
+        assert!(error.starts_with("e.toml:11: all of this `dim` is listed above"), "{error}");
+        for absurd in ["nan", "inf", "-inf", "1e300"] {
+            assert!(labels(&text.replace("0.25", absurd)).is_err(), "{absurd}");
+        }
         assert!(labels(&text.replace("[0.5, 0.25]", "[]")).unwrap_err().contains("empty list"));
         assert!(labels(&text.replace("[0.5, 0.25]", "true")).unwrap_err().contains("a word, a number"));
         assert!(labels(&text.replace("name = \"dim\"\n", "")).unwrap_err().contains("needs a `name`"));

@@ -14,6 +14,9 @@ use std::path::{Path, PathBuf};
 const MARK: &[u8; 8] = b"HSCACHE1";
 const HASH_BYTES: usize = 32;
 
+/// What temporary files of a cache begin with.
+const TEMPORARY: &str = "unfinished-";
+
 /// The environment variable that moves the cache.
 pub const FOLDER_VARIABLE: &str = "HALFSHADE_CACHE";
 
@@ -72,7 +75,8 @@ impl CacheKey {
         }
     }
 
-    fn file_name(&self) -> String {
+    /// The name of the entry's file.
+    pub fn file_name(&self) -> String {
         format!("{}-{}.bin", self.kind, self.hasher.finalize().to_hex())
     }
 }
@@ -129,6 +133,13 @@ impl Cache {
     }
 }
 
+/// Whether a file of this name is an entry of a cache, or what is left of one that was never finished.
+pub fn is_entry_name(name: &str) -> bool {
+    let key = name.strip_suffix(".bin").and_then(|stem| stem.rsplit_once('-')).map(|(_, key)| key);
+    let is_key = key.is_some_and(|key| key.len() == 2 * HASH_BYTES && key.chars().all(|c| c.is_ascii_hexdigit()));
+    is_key || name.starts_with(TEMPORARY)
+}
+
 fn encode(data: &impl Serialize) -> Result<Vec<u8>, String> {
     let payload = postcard::to_stdvec(data).map_err(|error| error.to_string())?;
     Ok([MARK.as_slice(), blake3::hash(&payload).as_bytes(), &payload].concat())
@@ -150,7 +161,7 @@ fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, String> {
 fn write_whole(folder: &Path, path: &Path, bytes: &[u8]) -> Result<(), String> {
     let write = || -> std::io::Result<()> {
         std::fs::create_dir_all(folder)?;
-        let mut file = tempfile::NamedTempFile::new_in(folder)?;
+        let mut file = tempfile::Builder::new().prefix(TEMPORARY).tempfile_in(folder)?;
         file.write_all(bytes)?;
         file.persist(path)?;
         Ok(())
@@ -236,6 +247,7 @@ mod tests {
             name(CacheKey::new("k", 1).bytes(b"a").bytes(b"bc"))
         );
         assert_ne!(name(CacheKey::new("k", 1)), name(CacheKey::new("k", 2)));
+        assert!(is_entry_name(&name(CacheKey::new("two-words", 1))) && !is_entry_name("truth-0.bin"));
         assert_ne!(name(CacheKey::new("k", 1).value(&0.0f32)), name(CacheKey::new("k", 1).value(&-0.0f32)));
     }
 }

@@ -1,9 +1,10 @@
 //! The pinhole camera of pictures.
 
 use glam::Vec3;
+use serde::Serialize;
 
 /// A pinhole camera.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Camera {
     /// Eye in world space.
     pub eye: Vec3,
@@ -13,6 +14,21 @@ pub struct Camera {
     pub vertical_fov_degrees: f32,
     /// Width and height in pixels.
     pub resolution: [u32; 2],
+}
+
+/// Largest width or height of a picture, and most pixels: those of 8K UHD.
+pub const MAX_SIDE: u32 = 16_384;
+const MAX_PIXELS: u64 = 7680 * 4320;
+
+/// Refuses pictures without pixels, and those that fill the memory.
+pub fn check_resolution([width, height]: [u32; 2]) -> Result<(), String> {
+    let sides = 1..=MAX_SIDE;
+    if sides.contains(&width) && sides.contains(&height) && u64::from(width) * u64::from(height) <= MAX_PIXELS {
+        return Ok(());
+    }
+    Err(format!(
+        "a picture of {width}x{height}: each side must be from 1 to {MAX_SIDE}, and at most {MAX_PIXELS} pixels in all"
+    ))
 }
 
 impl Camera {

@@ -3,11 +3,12 @@
 use crate::reflectance::tangent;
 use crate::{Frame, Receivers, Reflectance, Texture, lobe::Lobes};
 use glam::{Quat, Vec3};
+use serde::Serialize;
 use std::sync::Arc;
 
 /// Factors in [0, 1] by which a point of a surface differs from its material: the material states the largest specular
 /// scale and exponent.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Gloss {
     /// Multiplies the scale of every lobe, per channel.
     pub specular: Vec3,

@@ -1,12 +1,13 @@
 //! Where an object stands: a similarity transform.
 
 use glam::{Quat, Vec3};
+use serde::Serialize;
 
 /// A similarity: uniform scale, then rotation, then translation.
 ///
 /// `point_in_world = rotation · (scale · point_in_object) + translation`. Non-uniform scale is left out on purpose:
 /// spheres would not stay spheres.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Pose {
     /// Uniform scale, positive.
     pub scale: f32,

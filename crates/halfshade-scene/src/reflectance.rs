@@ -3,6 +3,7 @@
 use crate::lobe::{Lobe, Lobes, MAX_LOBES};
 use crate::{Gloss, SceneError};
 use glam::{DVec3, Vec3};
+use serde::Serialize;
 use std::f64::consts::TAU;
 
 /// Highest exponent of a lobe: half of it lies within 0.3 degrees of its axis.
@@ -16,7 +17,7 @@ pub const MAX_SCALE: f32 = 1e6;
 /// With v the direction that light comes from, v_o that of the eye, n the normal, and r = 2 (n·v_o) n - v_o, the
 /// integrand of outgoing radiance gains `L(v) V(v)` times what stands beside each model, in 1/steradian. All are 0 where
 /// v or v_o lies below the horizon of n.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub enum Reflectance {
     /// Nothing: a diffuse surface.
     #[default]
@@ -45,7 +46,7 @@ pub enum Reflectance {
 }
 
 /// One term of a Lafortune model [Meunier2009, eq. 28].
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LafortuneLobe {
     /// ρ or k, per channel: not negative.
     pub scale: Vec3,

@@ -12,6 +12,7 @@
 
 use crate::{Mesh, Motion, Pose};
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
+use serde::Serialize;
 
 /// Most joints that move one vertex.
 pub const INFLUENCES: usize = 4;
@@ -37,7 +38,7 @@ pub struct Skin {
 }
 
 /// The vertices of a mesh that has left its rest, in the object's space.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Deformed {
     /// Positions, one per vertex.
     pub positions: Vec<Vec3>,

@@ -70,7 +70,7 @@ impl Texture {
 
     /// Reads a PNG or JPEG file, told apart by content.
     pub fn load(path: &Path) -> Result<Self, SceneError> {
-        let read = std::fs::read(path).map_err(|error| SceneError::new(format!("cannot be read: {error}")));
+        let read = crate::input::read(path).map_err(|error| SceneError::new(format!("cannot be read: {error}")));
         read.and_then(|bytes| Self::decode(&bytes)).map_err(|error| error.in_file(path))
     }
 

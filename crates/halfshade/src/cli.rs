@@ -1,6 +1,8 @@
 //! The arguments: a contract, extended but not broken.
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use halfshade_harness::machine::MAX_THREADS;
+use halfshade_scene::camera::{MAX_SIDE, check_resolution};
 use std::{num::NonZeroUsize, path::PathBuf};
 
 /// Compares real-time methods for soft shadows: error and time of every strategy against ray-traced truth.
@@ -11,8 +13,8 @@ pub struct Cli {
     #[arg(long, global = true, value_name = "DIR")]
     pub cache: Option<PathBuf>,
     /// Use this many threads instead of all.
-    #[arg(long, global = true, value_name = "N")]
-    pub threads: Option<NonZeroUsize>,
+    #[arg(long, global = true, value_name = "N", value_parser = thread_count)]
+    pub threads: Option<usize>,
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
@@ -74,7 +76,7 @@ pub struct SceneArguments {
     #[arg(long, value_name = "RADIANCE", value_parser = color)]
     pub background: Option<[f32; 3]>,
     /// Exposure of a PNG, in stops around the automatic one.
-    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_parser = stops)]
     pub exposure: f32,
 }
 
@@ -188,11 +190,23 @@ pub enum FormatChoice {
 }
 
 fn resolution(text: &str) -> Result<[u32; 2], String> {
-    const LARGEST: u32 = 16_384;
-    let parse = |text: &str| text.parse().ok().filter(|n| (1..=LARGEST).contains(n));
-    text.split_once(['x', 'X'])
-        .and_then(|(width, height)| Some([parse(width)?, parse(height)?]))
-        .ok_or_else(|| format!("expected WIDTHxHEIGHT such as 640x480, each from 1 to {LARGEST}"))
+    let size = text
+        .split_once(['x', 'X'])
+        .and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]))
+        .ok_or_else(|| format!("expected WIDTHxHEIGHT such as 640x480, each from 1 to {MAX_SIDE}"))?;
+    check_resolution(size).map(|()| size)
+}
+
+fn thread_count(text: &str) -> Result<usize, String> {
+    let count = text.parse().ok().filter(|count| (1..=MAX_THREADS).contains(count));
+    count.ok_or_else(|| format!("expected a number from 1 to {MAX_THREADS}"))
+}
+
+fn stops(text: &str) -> Result<f32, String> {
+    /// More than the range of any picture.
+    const LARGEST: f32 = 64.0;
+    let stops = text.parse().ok().filter(|stops| (-LARGEST..=LARGEST).contains(stops));
+    stops.ok_or_else(|| format!("expected a number from -{LARGEST} to {LARGEST}"))
 }
 
 fn color(text: &str) -> Result<[f32; 3], String> {
@@ -215,6 +229,16 @@ mod tests {
         Cli::command().debug_assert();
         assert_eq!(resolution("640x480"), Ok([640, 480]));
         assert!(resolution("0x480").is_err() && resolution("640").is_err() && resolution("99999x1").is_err());
+        assert!(resolution("16384x16384").unwrap_err().contains("pixels in all"));
+        assert!(resolution("7680x4320").is_ok() && resolution("16384x1").is_ok());
+        for absurd in ["0", "1025", "-1", "18446744073709551616", "many"] {
+            assert!(thread_count(absurd).is_err(), "{absurd}");
+        }
+        assert_eq!(thread_count("1024"), Ok(1024));
+        for absurd in ["nan", "inf", "-inf", "1e9", "-64.5", "bright"] {
+            assert!(stops(absurd).is_err(), "{absurd}");
+        }
+        assert_eq!(stops("-2.5"), Ok(-2.5));
         assert_eq!(color("0.5"), Ok([0.5; 3]));
         assert_eq!(color("1, 2,3"), Ok([1.0, 2.0, 3.0]));
         assert!(color("nan").is_err() && color("1,2").is_err() && color("-1").is_err());

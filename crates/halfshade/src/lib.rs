@@ -35,7 +35,8 @@ pub fn revision() -> String {
 
 /// Runs the command: 0 done, 1 a check failed, 2 bad usage or bad input.
 pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
-    let cli = match Cli::try_parse_from(arguments) {
+    let arguments: Vec<OsString> = arguments.collect();
+    let cli = match Cli::try_parse_from(&arguments) {
         Ok(cli) => cli,
         Err(error) => {
             // Where not even this can be printed there is nobody to tell.
@@ -43,7 +44,7 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
             return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
         }
     };
-    match commands::dispatch(cli) {
+    match commands::dispatch(cli, arguments) {
         Ok(code) => code,
         Err(commands::Failure::ClosedPipe) => ExitCode::SUCCESS,
         Err(commands::Failure::Error(message)) => {

@@ -8,12 +8,21 @@ use std::{
     sync::Mutex,
 };
 
-/// Prints `error: message` to stderr.
+/// Prints `error: message` to stderr, coloured where that is a terminal that shows colours and nobody has asked for none
+/// (NO_COLOR, CLICOLOR=0, TERM=dumb).
 pub(crate) fn error(message: &str) {
-    let mut stderr = std::io::stderr();
-    let colored = stderr.is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
-    let head = if colored { "\x1b[1;31merror:\x1b[0m" } else { "error:" };
-    let _ = writeln!(stderr, "{head} {message}");
+    let _ = writeln!(anstream::stderr(), "\x1b[1;31merror:\x1b[0m {message}");
+}
+
+/// Prints a last line to stderr, below what bars may have left of theirs.
+pub(crate) fn interrupted(message: &str) {
+    let clear = if draws_bars() { "\r\x1b[2K" } else { "" };
+    let _ = writeln!(std::io::stderr(), "{clear}{message}");
+}
+
+/// Whether stderr is a terminal in which a line can be drawn again.
+fn draws_bars() -> bool {
+    std::io::stderr().is_terminal() && std::env::var_os("TERM").is_none_or(|term| term != "dumb")
 }
 
 /// Prints to stdout.
@@ -26,7 +35,7 @@ pub(crate) fn data(text: &str) -> Result<(), Failure> {
     })
 }
 
-/// Progress bars on stderr; nothing where stderr is no terminal.
+/// Progress bars on stderr; nothing where stderr is no terminal, or a dumb one.
 pub(crate) struct Bars(Mutex<ProgressBar>);
 
 impl Bars {
@@ -39,7 +48,7 @@ impl Progress for Bars {
     fn start(&self, label: &str, total: u64) {
         let Ok(mut bar) = self.0.lock() else { return };
         bar.finish_and_clear();
-        if !std::io::stderr().is_terminal() {
+        if !draws_bars() {
             return;
         }
         *bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr());

@@ -4,7 +4,8 @@ use super::document::{
     AnimationTable, CameraTable, Document, EnvironmentTable, KeyframeTable, LightTable, Meshes, ObjectTable, SkyTable,
 };
 use super::source::{Source, named_notes, stem};
-use super::{DEFAULT_FRAMES_PER_SEC, DEFAULT_SPHERE_COUNT, framing, reflectance};
+use super::{DEFAULT_FRAMES_PER_SEC, DEFAULT_SPHERE_COUNT, MAX_SPHERES, framing, reflectance};
+use crate::camera::check_resolution;
 use crate::light::{Projection, Sky, load_probe};
 use crate::scene::MAX_BOUNCES;
 use crate::{
@@ -19,7 +20,7 @@ use toml::Spanned;
 type Result<T> = std::result::Result<T, SceneError>;
 
 /// Largest numbers of leaf spheres and of clusters of one object.
-const MAX_COUNT: i64 = 100_000;
+const MAX_COUNT: i64 = MAX_SPHERES as i64;
 
 pub(super) fn scene(source: &Source<'_>, document: Document) -> Result<Scene> {
     if document.object.is_empty() {
@@ -323,8 +324,9 @@ fn camera(source: &Source<'_>, table: CameraTable) -> Result<Camera> {
     };
     let resolution = match &table.resolution {
         Some(value) => {
-            let fits = |sides: [i64; 2]| sides.iter().all(|side| (1..=16384).contains(side));
-            checked(source, "resolution", value, "two numbers from 1 to 16384", fits)?.map(|side| side as u32)
+            let sides = value.get_ref().map(|side| u32::try_from(side).unwrap_or(0));
+            check_resolution(sides).map_err(|problem| source.error(value.span(), format!("resolution: {problem}")))?;
+            sides
         }
         None => [800, 600],
     };

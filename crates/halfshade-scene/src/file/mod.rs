@@ -57,7 +57,7 @@ mod framing;
 mod reflectance;
 mod source;
 
-use crate::{Environment, Material, Motion, Object, Pose, Scene, SceneError, builtin, mesh};
+use crate::{Environment, Material, Motion, Object, Pose, Scene, SceneError, builtin, input, mesh};
 use glam::Vec3;
 use source::Source;
 use std::path::Path;
@@ -66,12 +66,15 @@ use std::sync::Arc;
 /// Leaf spheres of an object that doesn't say how many.
 pub const DEFAULT_SPHERE_COUNT: usize = 64;
 
+/// Most leaf spheres of an object.
+pub const MAX_SPHERES: usize = 100_000;
+
 /// Frames per second of a scene that doesn't say how many.
 pub const DEFAULT_FRAMES_PER_SEC: f64 = 30.0;
 
 /// Reads a scene file and all that it names; sphere sets are not built yet.
 pub fn load(path: &Path) -> Result<Scene, SceneError> {
-    let text = std::fs::read_to_string(path)
+    let text = input::read_to_string(path)
         .map_err(|error| SceneError::new(format!("cannot be read: {error}")).in_file(path))?;
     let source = Source::new(path, &text);
     let document = source.parse()?;

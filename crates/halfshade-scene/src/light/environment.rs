@@ -2,6 +2,7 @@
 
 use super::EnvironmentMap;
 use glam::Vec3;
+use serde::Serialize;
 use std::sync::Arc;
 
 /// Distant light without its sun.
@@ -25,7 +26,7 @@ impl DistantLight {
 }
 
 /// A sun: a small cap of constant radiance, kept apart from the map because no map resolves it.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Sun {
     /// Unit direction toward its centre.
     pub direction: Vec3,

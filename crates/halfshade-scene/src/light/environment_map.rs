@@ -1,13 +1,14 @@
 //! A latitude-longitude map of radiance, constant over each texel.
 
 use glam::{DVec3, Vec3};
+use serde::Serialize;
 use std::f32::consts::{PI, TAU};
 
 /// Radiance over all directions on a latitude-longitude grid.
 ///
 /// Row 0 is the zenith (+Y); the centre column looks along -Z and columns run toward +X, as a viewer inside sees
 /// it. Radiance is constant over a texel: what the truth samples and what is projected are then the same function.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct EnvironmentMap {
     width: usize,
     height: usize,

@@ -63,7 +63,7 @@ fn read(path: &Path, projection: Projection, forward_degrees: f32) -> Result<Env
                 .with_remedy(format!("use one of: .{}", EXTENSIONS.join(", ."))));
         }
     };
-    let bytes = std::fs::read(path).map_err(|error| SceneError::new(format!("cannot be read: {error}")))?;
+    let bytes = crate::input::read(path).map_err(|error| SceneError::new(format!("cannot be read: {error}")))?;
     if bytes.is_empty() {
         return Err(SceneError::new("the file is empty"));
     }

@@ -2,9 +2,10 @@
 
 use crate::Pose;
 use glam::Vec3;
+use serde::Serialize;
 
 /// A spherical area light. It emits, but blocks nothing: lights are no geometry.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SphereLight {
     /// Centre in world space.
     pub center: Vec3,

@@ -56,12 +56,12 @@ fn read(path: &Path, bytes: &[u8]) -> Result<(Document, Buffers), SceneError> {
     let json = document.into_json();
     check_positions(&json)?;
     let document = Document::from_json(json).map_err(wrong)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
     for buffer in document.buffers() {
         if let ::gltf::buffer::Source::Uri(uri) = buffer.source() {
-            check_uri(uri)?;
+            record(uri, folder)?;
         }
     }
-    let folder = path.parent().unwrap_or(Path::new(""));
     let buffers = ::gltf::import_buffers(&document, Some(folder), blob)
         .map_err(|error| SceneError::new(format!("a buffer cannot be read: {error}")))?;
     Ok((document, buffers))
@@ -145,10 +145,22 @@ fn check_positions(json: &::gltf::json::Root) -> Result<(), SceneError> {
     }
 }
 
+/// Tells of a file that the crate is about to read itself. What can't be read is left to its error.
+fn record(uri: &str, folder: &Path) -> Result<(), SceneError> {
+    let Some(name) = file_name(uri)? else { return Ok(()) };
+    let _ = crate::input::read(&folder.join(name));
+    Ok(())
+}
+
+/// The file that a URI names, as the crate understands it; nothing if it holds the data itself.
+///
 /// Percent escapes of a file name must spell UTF-8: the crate takes it for granted.
-fn check_uri(uri: &str) -> Result<(), SceneError> {
+fn file_name(uri: &str) -> Result<Option<String>, SceneError> {
     if uri.starts_with("data:") {
-        return Ok(());
+        return Ok(None);
+    }
+    if let Some(path) = uri.strip_prefix("file:") {
+        return Ok(Some(path.strip_prefix("//").unwrap_or(path).to_owned()));
     }
     let bytes = uri.as_bytes();
     let mut decoded = Vec::with_capacity(bytes.len());
@@ -159,10 +171,8 @@ fn check_uri(uri: &str) -> Result<(), SceneError> {
         decoded.push(escaped.unwrap_or(byte));
         i += if escaped.is_some() { 3 } else { 1 };
     }
-    match std::str::from_utf8(&decoded) {
-        Ok(_) => Ok(()),
-        Err(_) => Err(SceneError::new(format!("the file name `{uri}` is not UTF-8"))),
-    }
+    let name = String::from_utf8(decoded);
+    name.map(Some).map_err(|_| SceneError::new(format!("the file name `{uri}` is not UTF-8")))
 }
 
 /// The base colour textures met so far, by number.
@@ -211,7 +221,7 @@ fn image_bytes(source: Source<'_>, folder: &Path, buffers: &Buffers) -> Result<V
             .map(<[u8]>::to_vec)
             .ok_or_else(|| SceneError::new("it reaches beyond its buffer")),
         Source::Uri { uri, .. } => {
-            check_uri(uri)?;
+            record(uri, folder)?;
             let read = ::gltf::buffer::Data::from_source(::gltf::buffer::Source::Uri(uri), Some(folder));
             read.map(|data| data.0).map_err(|error| {
                 let name = if uri.starts_with("data:") { "its data URI" } else { uri };

@@ -106,7 +106,7 @@ fn extension(path: &Path) -> String {
 
 fn bytes_of(path: &Path) -> Result<Vec<u8>, SceneError> {
     let bytes =
-        std::fs::read(path).map_err(|error| SceneError::new(format!("cannot be read: {error}")).in_file(path))?;
+        crate::input::read(path).map_err(|error| SceneError::new(format!("cannot be read: {error}")).in_file(path))?;
     if bytes.is_empty() {
         return Err(SceneError::new("the file is empty").in_file(path));
     }

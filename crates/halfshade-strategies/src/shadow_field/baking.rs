@@ -40,7 +40,9 @@ pub(super) enum Source {
 impl Baking<'_> {
     /// The key of what depends on a mesh alone.
     pub(super) fn key(&self, kind: &'static str, mesh: &Mesh) -> CacheKey {
-        CacheKey::new(kind, VERSION).value(&(&mesh.positions, &mesh.triangles, &mesh.normals))
+        // Without `..`: what a mesh gains must be thought of here. How it is coloured hides nothing.
+        let Mesh { positions, normals, triangles, colors: _, texture_coordinates: _, textures: _ } = mesh;
+        CacheKey::new(kind, VERSION).value(&(positions, triangles, normals))
     }
 
     /// From the cache, or computed; what is read makes up for so many `steps` of progress.

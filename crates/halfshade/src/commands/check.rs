@@ -17,10 +17,18 @@ pub(super) fn check(context: &Context, arguments: &CheckArguments) -> Result<Exi
             experiment.name
         )));
     }
-    let options = RunOptions { threads: context.threads, quick: baseline.quick, ..RunOptions::default() };
+    let options = RunOptions {
+        threads: context.threads,
+        quick: baseline.quick,
+        inputs: baseline.inputs.clone(),
+        ..RunOptions::default()
+    };
     let results = context.with_tools(|tools| halfshade_harness::run::run(&experiment, tools, &options))?;
     if results.experiment_hash != baseline.experiment_hash {
         context.bars.note("the experiment file has changed since the baseline was made");
+    }
+    if baseline.inputs.is_none() && results.inputs.as_ref().is_some_and(|inputs| !inputs.is_empty()) {
+        context.bars.note("the baseline doesn't tell what its scenes were read from: they may have changed since");
     }
     let comparison = compare(&results, &baseline)?;
     if !comparison.moved.rows.is_empty() {

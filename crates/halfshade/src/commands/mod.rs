@@ -15,10 +15,16 @@ use crate::{
     terminal::Bars,
 };
 use glam::Vec3;
-use halfshade_harness::{HarnessError, Picture, SystemClock, run::Tools, scene_source};
-use halfshade_scene::{Progress, Scene, SceneError, cache::Cache, scene::MAX_BOUNCES};
+use halfshade_harness::{
+    HarnessError, Picture, SystemClock,
+    output::{check_no_input, check_writable},
+    run::Tools,
+    scene_source,
+};
+use halfshade_scene::{Progress, Scene, SceneError, cache::Cache, input, scene::MAX_BOUNCES};
 use halfshade_strategy::Strategy;
 use std::{
+    ffi::OsString,
     path::{Path, PathBuf},
     process::ExitCode,
 };
@@ -52,6 +58,8 @@ pub(crate) struct Context {
     clock: SystemClock,
     strategies: Vec<Box<dyn Strategy>>,
     revision: String,
+    /// The command as it was given.
+    arguments: Vec<OsString>,
 }
 
 impl Context {
@@ -67,9 +75,12 @@ impl Context {
         })
     }
 
-    /// The scene, its sphere sets not yet built.
-    fn scene(&self, arguments: &SceneArguments) -> Result<Scene, Failure> {
-        let mut scene = scene_source::resolve(&arguments.scene, Path::new(""), arguments.env.as_deref())?;
+    /// The scene, its sphere sets not yet built, for a picture that goes to `output`.
+    fn scene(&self, arguments: &SceneArguments, output: &Path) -> Result<Scene, Failure> {
+        let (scene, inputs) =
+            input::recorded(|| scene_source::resolve(&arguments.scene, Path::new(""), arguments.env.as_deref()));
+        let mut scene = scene?;
+        check_no_input(output, &inputs)?;
         scene.notes.iter().for_each(|note| self.bars.note(note));
         if arguments.frame >= scene.frame_count.max(1) {
             return Err(Failure::Error(format!(
@@ -94,6 +105,14 @@ fn exposure(picture: &Picture, arguments: &SceneArguments) -> f32 {
     picture.exposure() * arguments.exposure.exp2()
 }
 
+/// Checks that `output` can be written, and says so if that replaces a file.
+fn prepare_output(context: &Context, output: &Path) -> Result<(), Failure> {
+    if check_writable(output)? {
+        context.bars.note(&format!("{} is there already and will be replaced", output.display()));
+    }
+    Ok(())
+}
+
 /// A file named after the scene, in the current folder.
 fn default_output(arguments: &SceneArguments, suffix: &str) -> PathBuf {
     let stem = Path::new(&arguments.scene).file_stem().unwrap_or_default().to_string_lossy().into_owned();
@@ -101,21 +120,22 @@ fn default_output(arguments: &SceneArguments, suffix: &str) -> PathBuf {
 }
 
 /// Does what was asked.
-pub(crate) fn dispatch(cli: Cli) -> Result<ExitCode, Failure> {
+pub(crate) fn dispatch(cli: Cli, arguments: Vec<OsString>) -> Result<ExitCode, Failure> {
     let cache = Cache::open(cli.cache);
     let context = Context {
-        threads: cli.threads.map(|threads| threads.get()),
+        threads: cli.threads,
         bars: Bars::new(),
         clock: SystemClock::start(),
         strategies: strategies(&cache),
         cache,
         revision: revision(),
+        arguments,
     };
     match cli.command {
         Command::Run(arguments) => run::run(&context, &arguments),
         Command::Check(arguments) => check::check(&context, &arguments),
         Command::List(arguments) => list::list(&context, &arguments),
-        Command::Report(arguments) => report::report(&arguments),
+        Command::Report(arguments) => report::report(&context, &arguments),
         Command::Render(arguments) => on_threads(&context, || render::render(&context, &arguments)),
         Command::Truth(arguments) => on_threads(&context, || truth::truth(&context, &arguments)),
         Command::Spheres(arguments) => on_threads(&context, || spheres::spheres(&context, &arguments)),

@@ -1,11 +1,10 @@
 //! `halfshade render`: one picture.
 
-use super::{Context, Failure, background, default_output, exposure};
+use super::{Context, Failure, background, default_output, exposure, prepare_output};
 use crate::cli::{ReceiverChoice, RenderArguments};
 use halfshade_harness::{
     Variant,
     image_io::{check_extension, write_picture},
-    output::check_writable,
     projection::Projection,
     shading::{count_not_finite, shade_all},
 };
@@ -18,8 +17,8 @@ pub(super) fn render(context: &Context, arguments: &RenderArguments) -> Result<E
     let variant = Variant::parse(&context.strategies, &arguments.strategy).map_err(Failure::Error)?;
     let output = arguments.output.clone().unwrap_or_else(|| default_output(&arguments.scene, ".exr"));
     check_extension(&output)?;
-    check_writable(&output)?;
-    let mut scene = context.scene(&arguments.scene)?;
+    prepare_output(context, &output)?;
+    let mut scene = context.scene(&arguments.scene, &output)?;
     let strategy = &context.strategies[variant.strategy];
     let missing = strategy.info().effects.missing(Effects::required_by(&scene));
     if !missing.is_empty() {

@@ -1,14 +1,21 @@
 //! `halfshade report`: tables and plots from stored results.
 
-use super::Failure;
+use super::{Context, Failure};
 use crate::{
     cli::{FormatChoice, ReportArguments},
     terminal,
 };
-use halfshade_harness::{Results, output::prepare_folder, report, table::Format};
-use std::process::ExitCode;
+use halfshade_harness::{
+    HarnessError, Results,
+    out_folder::{OutFolder, PRIVATE},
+    output::{check_writable, prepare_folder, write_atomically},
+    report,
+    table::Format,
+};
+use halfshade_scene::Progress;
+use std::{path::Path, process::ExitCode};
 
-pub(super) fn report(arguments: &ReportArguments) -> Result<ExitCode, Failure> {
+pub(super) fn report(context: &Context, arguments: &ReportArguments) -> Result<ExitCode, Failure> {
     let mut results = Results::load(&arguments.folder)?;
     // Stored results may have been parted from their pictures, which are large.
     let folder = if arguments.folder.is_dir() { Some(arguments.folder.as_path()) } else { arguments.folder.parent() };
@@ -22,8 +29,38 @@ pub(super) fn report(arguments: &ReportArguments) -> Result<ExitCode, Failure> {
     if arguments.folder.is_dir() && format == Format::Markdown {
         // The page refers to the plots by name.
         prepare_folder(&arguments.folder)?;
-        report::write_plots(&results, &arguments.folder)?;
+        if arguments.folder.join(PRIVATE).is_dir() {
+            write_beside_run(context, &arguments.folder, &results)?;
+        } else {
+            report::write_plots(&results, &mut |file, bytes| write_plot(context, &arguments.folder.join(file), bytes))?;
+        }
     }
     terminal::data(&report::report(&results, format))?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// Writes plots into the folder of a run, which keeps a list of all that is its own.
+fn write_beside_run(context: &Context, path: &Path, results: &Results) -> Result<(), HarnessError> {
+    match OutFolder::open(path, &[]) {
+        Ok(mut folder) => report::write_plots(results, &mut |file, bytes| folder.write(file, bytes)),
+        // Who only wants to read what an earlier run found need not wait for another one.
+        Err(error) => {
+            context.bars.note(&format!("plots are left as they are: {error}"));
+            Ok(())
+        }
+    }
+}
+
+/// Writes a plot, and says so where another one, or something else, was of that name.
+fn write_plot(context: &Context, path: &Path, bytes: &[u8]) -> Result<(), HarnessError> {
+    if std::fs::read(path).is_ok_and(|old| old == bytes) {
+        return Ok(());
+    }
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder).map_err(|source| HarnessError::io(folder, "create", source))?;
+    }
+    if check_writable(path)? {
+        context.bars.note(&format!("{} is replaced by a new plot", path.display()));
+    }
+    write_atomically(path, bytes)
 }

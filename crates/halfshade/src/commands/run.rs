@@ -9,7 +9,7 @@ use halfshade_harness::{
     table::Format,
 };
 use halfshade_scene::Progress;
-use std::{path::PathBuf, process::ExitCode};
+use std::{ffi::OsString, path::PathBuf, process::ExitCode};
 
 pub(super) fn run(context: &Context, arguments: &RunArguments) -> Result<ExitCode, Failure> {
     let experiment = Experiment::load(&arguments.experiment)?;
@@ -19,7 +19,9 @@ pub(super) fn run(context: &Context, arguments: &RunArguments) -> Result<ExitCod
         quick: arguments.quick,
         resume: arguments.resume,
         out: Some(out.clone()),
+        inputs: None,
     };
+    on_interrupt(resume_command(&context.arguments))?;
     let results = context.with_tools(|tools| halfshade_harness::run::run(&experiment, tools, &options))?;
     let provenance = provenance(&results);
     for table in tables(&results) {
@@ -27,4 +29,48 @@ pub(super) fn run(context: &Context, arguments: &RunArguments) -> Result<ExitCod
     }
     context.bars.note(&format!("tables, plots and pictures: {}", out.join("report.md").display()));
     Ok(ExitCode::SUCCESS)
+}
+
+/// Status of a program that an interrupt ended: 128 and the signal's number.
+const INTERRUPTED: i32 = 130;
+
+/// Ctrl-C ends the run at once, which loses nothing that is in the journal, and says how to go on.
+fn on_interrupt(command: String) -> Result<(), Failure> {
+    ctrlc::set_handler(move || {
+        terminal::interrupted(&format!("interrupted; what was measured is kept; go on with: {command}"));
+        std::process::exit(INTERRUPTED);
+    })
+    .map_err(|error| Failure::Error(format!("cannot listen for Ctrl-C: {error}")))
+}
+
+/// The same command with `--resume`, for a shell.
+fn resume_command(arguments: &[OsString]) -> String {
+    let mut words: Vec<String> = arguments.iter().map(|word| quoted(&word.to_string_lossy())).collect();
+    if !words.iter().any(|word| word == "--resume") {
+        words.push("--resume".into());
+    }
+    words.join(" ")
+}
+
+/// A word as a POSIX shell takes it.
+fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "-_./=:,+@%".contains(c);
+    if !word.is_empty() && word.chars().all(is_plain) {
+        return word.to_owned();
+    }
+    format!("'{}'", word.replace('\'', r"'\''"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_to_go_on_can_be_pasted() {
+        let command = |words: &[&str]| resume_command(&words.iter().map(OsString::from).collect::<Vec<_>>());
+        assert_eq!(command(&["halfshade", "run", "e.toml"]), "halfshade run e.toml --resume");
+        assert_eq!(command(&["halfshade", "run", "--resume", "e.toml"]), "halfshade run --resume e.toml");
+        assert_eq!(command(&["h", "run", "it's here.toml"]), r"h run 'it'\''s here.toml' --resume");
+        assert_eq!(command(&["h", "run", "", "$x"]), "h run '' '$x' --resume");
+    }
 }

@@ -1,15 +1,15 @@
 //! `halfshade spheres`: a sphere set, and how well it fits.
 
-use super::{Context, Failure};
+use super::{Context, Failure, prepare_output};
 use crate::{cli::SpheresArguments, terminal};
 use halfshade_harness::{
     clock::time_secs,
-    output::{check_writable, write_atomically},
+    output::{check_no_input, write_atomically},
     scene_source,
     sphere_fit::ground_shadow_errors,
 };
 use halfshade_scene::{
-    Progress, SphereSet,
+    Progress, SphereSet, input,
     spheres::{AdjustRule, BuildOptions},
 };
 use serde_json::json;
@@ -17,9 +17,13 @@ use std::{process::ExitCode, sync::Arc};
 
 pub(super) fn spheres(context: &Context, arguments: &SpheresArguments) -> Result<ExitCode, Failure> {
     if let Some(output) = &arguments.output {
-        check_writable(output)?;
+        prepare_output(context, output)?;
     }
-    let (mesh, notes) = scene_source::load_mesh(&arguments.mesh)?;
+    let (mesh, inputs) = input::recorded(|| scene_source::load_mesh(&arguments.mesh));
+    let (mesh, notes) = mesh?;
+    if let Some(output) = &arguments.output {
+        check_no_input(output, &inputs)?;
+    }
     let mesh = Arc::new(mesh);
     // Not cached: its time is part of the answer.
     let (seconds, set) = time_secs(&context.clock, || {

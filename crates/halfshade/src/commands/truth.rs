@@ -1,11 +1,10 @@
 //! `halfshade truth`: the truth alone, with its standard error.
 
-use super::{Context, Failure, background, default_output, exposure};
+use super::{Context, Failure, background, default_output, exposure, prepare_output};
 use crate::{cli::TruthArguments, terminal};
 use glam::Vec3;
 use halfshade_harness::{
     image_io::{check_extension, write_picture},
-    output::check_writable,
     projection::Projection,
 };
 use halfshade_scene::Progress;
@@ -18,8 +17,8 @@ pub(super) fn truth(context: &Context, arguments: &TruthArguments) -> Result<Exi
     }
     let output = arguments.output.clone().unwrap_or_else(|| default_output(&arguments.scene, "-truth.exr"));
     check_extension(&output)?;
-    check_writable(&output)?;
-    let scene = context.scene(&arguments.scene)?;
+    prepare_output(context, &output)?;
+    let scene = context.scene(&arguments.scene, &output)?;
     let frame = scene.frame(arguments.scene.frame);
     let tracer = Tracer::new(&frame);
     let (receivers, projection) = Projection::of_pixels(&tracer, &scene.camera);
