@@ -33,7 +33,7 @@ impl Projection {
             hit.map(|hit| {
                 let object = hit.object as usize;
                 let vertices = frame.scene.objects[object].mesh.triangles[hit.triangle as usize];
-                (vertices.map(|vertex| first_vertex[object] + vertex), hit.barycentrics)
+                (vertices.map(|vertex| first_vertex[object] + vertex), hit.barycentrics.as_vec3())
             })
         });
         let [width, height] = camera.resolution.map(|n| n as usize);

@@ -129,8 +129,8 @@ impl Estimate {
 
 /// Estimates the outgoing radiance of `receivers`.
 ///
-/// The hemisphere is that of the receiver's shading normal. Rays start a millionth of the scene's half extent above the
-/// surface; directions that lie above the shading normal's horizon and below the mesh's own faces are blocked where the
+/// The hemisphere is that of the receiver's shading normal. Rays start a few units in the last place of the receiver's own
+/// coordinates above the surface; directions that lie above the shading normal's horizon and below the mesh's own faces are blocked where the
 /// mesh blocks them, as they would be by the real surface. Local lights emit and block nothing. A receiver
 /// whose position or normal is not finite gets radiance 0.
 pub fn estimate(tracer: &Tracer, receivers: Receivers<'_>, options: &Options, progress: &dyn Progress) -> Estimate {
@@ -367,7 +367,7 @@ impl<'a> Worker<'a> {
                                 batch.visible = [1.0; BATCH];
                                 0
                             }
-                            Geometry::Mesh => trace_mesh(tracer, receiver.ray_origin, batch),
+                            Geometry::Mesh => trace_mesh(tracer, receiver, batch),
                             Geometry::Spheres(_) => {
                                 caps.trace(batch);
                                 batch.len as u64
@@ -401,7 +401,7 @@ impl<'a> Worker<'a> {
         let Self { tracer, options, points, caps, batch, .. } = self;
         for_every_batch(tracer, integral, receiver, (options.seed, index), points, batch, |replicate, batch| {
             *rays += match options.geometry {
-                Geometry::Mesh => trace_mesh(tracer, receiver.ray_origin, batch),
+                Geometry::Mesh => trace_mesh(tracer, receiver, batch),
                 Geometry::Spheres(_) => {
                     caps.trace(batch);
                     batch.len as u64
@@ -436,15 +436,15 @@ pub(crate) fn for_every_batch(
 }
 
 /// Sets the visibility of every sample that carries light; returns how many rays that took.
-pub(crate) fn trace_mesh(tracer: &Tracer, origin: Vec3A, batch: &mut Batch) -> u64 {
+pub(crate) fn trace_mesh(tracer: &Tracer, from: &Receiver, batch: &mut Batch) -> u64 {
     let mut rays = 0;
-    let slack = 0.5 * tracer.space.surface_offset();
     for k in 0..batch.len {
         batch.visible[k] = 0.0;
         if batch.carries_light(k) {
             rays += 1;
             let direction = Vec3A::new(batch.direction[0][k], batch.direction[1][k], batch.direction[2][k]);
-            batch.visible[k] = f32::from(tracer.unoccluded(tracing_ray(origin, direction, batch.distance[k]), slack));
+            let ray = tracing_ray(from.ray_origin, direction, batch.distance[k]);
+            batch.visible[k] = f32::from(tracer.unoccluded(ray, from.slack));
         }
     }
     rays

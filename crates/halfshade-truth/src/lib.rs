@@ -20,8 +20,8 @@
 //!   Lobes are sampled as well, up to exponents of 10^5.
 //! - **Noise**: Owen-scrambled Sobol points, sixteen independent scramblings per value whose spread is the standard
 //!   error, and the known unshadowed value as control variate.
-//! - **Limits**: single precision in tracing space resolves a millionth of half the scene's extent; nothing smaller casts
-//!   a shadow on what it touches. Where no sample is blocked although something is, the error reported is half a sample.
+//! - **Limits**: positions are single precision in the world; what is smaller than a few units in the last place of a
+//!   receiver's coordinates casts no shadow on what it touches there. Where no sample is blocked although something is, the error reported is half a sample.
 //!
 //! ```
 //! use glam::Vec3;

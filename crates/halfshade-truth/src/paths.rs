@@ -207,7 +207,7 @@ impl<'a> Paths<'a> {
     fn seen(&mut self, at: &Receiver, depth: usize) -> DVec3 {
         let Self { tracer, options, caps, batch, rays, .. } = self;
         *rays += match options.geometry {
-            Geometry::Mesh => trace_mesh(tracer, at.ray_origin, batch),
+            Geometry::Mesh => trace_mesh(tracer, at, batch),
             Geometry::Spheres(_) => {
                 caps[depth + 1].trace(batch);
                 1
@@ -237,7 +237,7 @@ impl<'a> Paths<'a> {
     fn meet(&self, from: &Receiver, depth: usize, direction: Vec3) -> Option<Met> {
         match self.options.geometry {
             Geometry::Mesh => {
-                let hit = self.tracer.first_hit(from.ray_origin, direction.into())?;
+                let hit = self.tracer.first_hit(from, direction.into())?;
                 let surface = self.tracer.surface_at(&hit, direction);
                 let receiver = self.tracer.receiver(surface.position, surface.normal);
                 let lobes = self.lobes(surface.object, surface.gloss, &receiver, direction);

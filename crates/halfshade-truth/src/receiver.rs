@@ -8,6 +8,8 @@ use glam::{DVec3, Vec3A};
 pub(crate) struct Receiver {
     /// Where rays start, in tracing space.
     pub(crate) ray_origin: Vec3A,
+    /// How far along each axis that may be beside the surface, in tracing space.
+    pub(crate) slack: Vec3A,
     /// Position in world space.
     pub(crate) position: DVec3,
     /// Unit shading normal in world space.
@@ -18,6 +20,6 @@ pub(crate) struct Receiver {
 
 impl Receiver {
     pub(crate) fn new(ray_origin: Vec3A, position: DVec3, normal: DVec3) -> Self {
-        Self { ray_origin, position, normal, axes: Axes::around(normal) }
+        Self { ray_origin, slack: Vec3A::ZERO, position, normal, axes: Axes::around(normal) }
     }
 }

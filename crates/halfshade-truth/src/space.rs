@@ -1,43 +1,50 @@
-//! The space rays are traced in: the scene recentred and resized, so that single precision is spent on the scene alone.
+//! The space rays are traced in: the scene resized, and recentred where it lies far from the origin, without rounding.
 
-use glam::{DVec3, Vec3A};
+use glam::{DVec3, Vec3, Vec3A};
 
-/// Half the largest extent of the scene, in tracing space. obvhs drops what lies nearer than 1e-4 to a ray's origin
-/// (fixed in its nodes); at this size that is less than the spacing of single-precision numbers.
-const HALF_EXTENT: f64 = 1000.0;
+/// No coordinate of a scene's box lies farther from its middle, in tracing space. obvhs drops what lies nearer than 1e-4 to
+/// a ray's origin (fixed in its nodes): at this size that is 1e-13 of half the extent, below every offset here.
+const HALF_EXTENT: f64 = (1_u64 << 30) as f64;
+
+/// How far from its surface a receiver's coordinate may lie, as a part of the coordinate: eight times half a unit in the
+/// last place. Rounding of the receiver and that of the ray's origin take one each.
+const ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
+
+/// What is added to that: receivers at coordinate 0 are exact, but the distance to a plane is found in double precision
+/// only. 2^-46 of half the scene's extent.
+const LEAST_ROUNDING: f64 = HALF_EXTENT / (1_u64 << 46) as f64;
 
 /// A uniform scale and a shift between world space and tracing space. Directions are the same in both.
+///
+/// The scale is a power of two, and an axis is shifted only where that costs no digit: single-precision coordinates of the
+/// scene are the same numbers in both spaces, however large the scene is beside its details.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct TracingSpace {
     center_in_world: DVec3,
     tracing_from_world: f64,
-    largest_world_coordinate: f64,
 }
 
 impl TracingSpace {
     /// The space around a box in world space; any space serves for an empty box.
     pub(crate) fn around(min: DVec3, max: DVec3) -> Self {
-        let half_extent = 0.5 * (max - min).max_element();
-        if !(half_extent.is_finite() && half_extent > 0.0) {
-            let center_in_world =
-                if min.is_finite() && max.is_finite() && min.cmple(max).all() { min } else { DVec3::ZERO };
-            return Self {
-                center_in_world,
-                tracing_from_world: 1.0,
-                largest_world_coordinate: center_in_world.abs().max_element(),
-            };
+        let (center, half) = (0.5 * (min + max), 0.5 * (max - min));
+        if !(half.is_finite() && half.min_element() >= 0.0) {
+            return Self { center_in_world: DVec3::ZERO, tracing_from_world: 1.0 };
         }
-        Self {
-            center_in_world: 0.5 * (min + max),
-            tracing_from_world: HALF_EXTENT / half_extent,
-            largest_world_coordinate: min.abs().max(max.abs()).max_element(),
-        }
+        // The difference of two numbers within a factor of two of each other is exact. The middle itself is rounded to a
+        // number like theirs.
+        let shift = |axis: usize| if center[axis].abs() >= 2.0 * half[axis] { center[axis] as f32 } else { 0.0 };
+        let tracing_from_world = match half.max_element() {
+            0.0 => 1.0,
+            half => (HALF_EXTENT / half).log2().floor().exp2(),
+        };
+        Self { center_in_world: Vec3::from_array(std::array::from_fn(shift)).as_dvec3(), tracing_from_world }
     }
 
     /// A point of the world, in tracing space.
     #[inline]
     pub(crate) fn point(&self, point_in_world: DVec3) -> Vec3A {
-        ((point_in_world - self.center_in_world) * self.tracing_from_world).as_vec3a()
+        self.exact_point(point_in_world).as_vec3a()
     }
 
     /// A point of tracing space, in the world.
@@ -57,30 +64,62 @@ impl TracingSpace {
         length / self.tracing_from_world
     }
 
-    /// By how much boxes grow on every side, so that rounding in the slab test loses no triangle: a few units in the
-    /// last place of the largest coordinate.
-    pub(crate) fn padding(&self) -> f32 {
-        4.0 * f32::EPSILON * HALF_EXTENT as f32
-    }
-
-    /// How far above the surface rays start, in tracing space.
+    /// By how much the box around points of the world, `min` to `max`, grows on every side, in tracing space, so that
+    /// rounding in the slab test loses no triangle.
     ///
-    /// Two roundings have to be passed: that of positions in tracing space and in the triangle test, a few units in the
-    /// last place of the scene's size (1e-6 of half its extent is sixteen), and that of positions in world space, where
-    /// receivers and vertices were rounded alike but interpolated points were not (four units in the last place of the
-    /// largest world coordinate, which matters far from the origin only).
-    pub(crate) fn surface_offset(&self) -> f32 {
-        let world_rounding = 0.5 * f64::from(f32::EPSILON) * self.largest_world_coordinate;
-        (1e-6 * HALF_EXTENT + 4.0 * self.length(world_rounding)) as f32
+    /// A few units in the last place of the largest coordinate, but no more than a part of the box itself: rays that start so
+    /// far away that this is too little see it under a ten-millionth of a radian. And no less than receivers on the
+    /// triangle may lie beside it.
+    pub(crate) fn padding(&self, min: Vec3, max: Vec3) -> Vec3A {
+        let size = self.length(f64::from((max - min).max_element()));
+        let slabs = (4.0 * f64::from(f32::EPSILON) * HALF_EXTENT).min(size / 32.0);
+        (2.0 * self.rounding(min.abs().max(max.abs()))).max(DVec3::splat(slabs)).as_vec3a()
     }
 
-    /// The scene's bounding sphere is centred at the origin of tracing space; this is its radius, with some room.
+    /// How far from its surface a receiver may lie along each axis, in tracing space.
+    ///
+    /// Vertices are exact. Points between them were rounded to single precision in the world, and the origins of their rays
+    /// once more. Nothing here knows the size of the scene: an object on a large ground shades it as on a small one.
+    pub(crate) fn rounding(&self, point_in_world: Vec3) -> DVec3 {
+        self.length(ROUNDING) * point_in_world.abs().as_dvec3() + LEAST_ROUNDING
+    }
+
+    /// The radius around the origin of tracing space within which the scene lies, with some room: no coordinate exceeds three
+    /// half extents.
     pub(crate) fn bounding_radius() -> f64 {
-        1.75 * HALF_EXTENT
+        5.25 * HALF_EXTENT
     }
 
     /// A point of the world in tracing space, unrounded.
     pub(crate) fn exact_point(&self, point_in_world: DVec3) -> DVec3 {
         (point_in_world - self.center_in_world) * self.tracing_from_world
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every number of single precision in the box comes back as it was, wherever the box lies.
+    #[test]
+    fn coordinates_of_the_scene_are_not_rounded() {
+        let boxes = [
+            (Vec3::splat(-1e5), Vec3::splat(1e5)),
+            (Vec3::new(-3.0, 0.0, 1.0), Vec3::new(2.0, 0.1, 1.2)),
+            (Vec3::new(7e4, 0.0, -3e4), Vec3::new(7.1e4, 1e-6, -2.9e4)),
+            (Vec3::new(1.0, 5.0, -3.3), Vec3::new(9.0, 5.0, -3.2)),
+            (Vec3::splat(-1e-30), Vec3::splat(3e-30)),
+            (Vec3::splat(-1e30), Vec3::splat(1e37)),
+        ];
+        for (min, max) in boxes {
+            let space = TracingSpace::around(min.as_dvec3(), max.as_dvec3());
+            for i in 0..1000_u32 {
+                let mix = |axis: u32| (i.wrapping_mul(2_654_435_761).rotate_left(9 * axis) >> 8) as f32 / 16_777_216.0;
+                let point = min + (max - min) * Vec3::new(mix(0), mix(1), mix(2));
+                let traced = space.point(point.as_dvec3());
+                assert_eq!(space.point_in_world(traced).as_vec3(), point);
+                assert!(f64::from(traced.length()) < TracingSpace::bounding_radius(), "{point}");
+            }
+        }
     }
 }

@@ -26,7 +26,7 @@ pub struct Hit {
     /// The triangle's place in that object's `mesh.triangles`.
     pub triangle: u32,
     /// Weights of the triangle's three vertices, of sum 1.
-    pub barycentrics: Vec3,
+    pub barycentrics: DVec3,
     /// Distance from the ray's origin, in lengths of its direction.
     pub distance: f64,
 }
@@ -113,16 +113,17 @@ impl Tracer {
             max = max.max(corner.as_dvec3());
         }
         let space = TracingSpace::around(min, max);
-        let corners: Vec<[Vec3A; 3]> =
-            corners.into_iter().map(|corner| corner.map(|point| space.point(point.as_dvec3()))).collect();
-        let padding = Vec3A::splat(space.padding());
         let boxes: Vec<PaddedBox> = corners
             .iter()
-            .map(|corner| {
-                let aabb = Aabb::from_points(corner);
-                PaddedBox(Aabb::new(aabb.min - padding, aabb.max + padding))
+            .map(|&[a, b, c]| {
+                let (min, max) = (a.min(b).min(c), a.max(b).max(c));
+                let padding = space.padding(min, max);
+                let [min, max] = [min, max].map(|point| space.point(point.as_dvec3()));
+                PaddedBox(Aabb::new(min - padding, max + padding))
             })
             .collect();
+        let corners: Vec<[Vec3A; 3]> =
+            corners.into_iter().map(|corner| corner.map(|point| space.point(point.as_dvec3()))).collect();
         let bvh = if boxes.is_empty() {
             CwBvh::default()
         } else {
@@ -147,9 +148,13 @@ impl Tracer {
     /// A receiver, its rays' origin lifted off the surface and, at the rim of a smooth patch, drawn onto the patch.
     pub(crate) fn receiver(&self, position: Vec3, normal: Vec3) -> Receiver {
         let unit = normal.as_dvec3().normalize_or(DVec3::Y);
-        let inward = self.inward.at(position, normal);
-        let lift = self.space.surface_offset() * Vec3A::from(unit.as_vec3() + inward);
-        Receiver::new(self.space.point(position.as_dvec3()) + lift, position.as_dvec3(), unit)
+        let inward = self.inward.at(position, normal).as_dvec3();
+        // Twice as far as the receiver may lie off the surface, as measured along each direction.
+        let rounding = self.space.rounding(position);
+        let lift = [unit, inward].map(|direction| 2.0 * direction.abs().dot(rounding) * direction);
+        let origin = self.space.exact_point(position.as_dvec3()) + lift[0] + lift[1];
+        let receiver = Receiver::new(origin.as_vec3a(), position.as_dvec3(), unit);
+        Receiver { slack: rounding.as_vec3a(), ..receiver }
     }
 
     /// How many triangles block.
@@ -166,31 +171,31 @@ impl Tracer {
     /// direction. The origin may lie anywhere: the ray is cut to the scene in double precision before it is traced.
     pub fn closest_hit(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
         let (ray, skipped) = self.clipped(origin, direction)?;
-        let hit = self.nearest(ray, 0.0)?;
+        let hit = self.nearest(ray, Vec3A::ZERO)?;
         let distance = (hit.distance + self.space.length_in_world(skipped)) / f64::from(direction.length());
         Some(Hit { distance, ..hit })
     }
 
     /// The first triangle along a ray that leaves a surface, in tracing space (see [`ShearedRay::with_slack`]).
-    pub(crate) fn first_hit(&self, origin: Vec3A, direction: Vec3A) -> Option<Hit> {
-        self.nearest(tracing_ray(origin, direction, f32::INFINITY), 0.5 * self.space.surface_offset())
+    pub(crate) fn first_hit(&self, from: &Receiver, direction: Vec3A) -> Option<Hit> {
+        self.nearest(tracing_ray(from.ray_origin, direction, f32::INFINITY), from.slack)
     }
 
     /// The first triangle along a ray in tracing space of unit direction.
-    fn nearest(&self, ray: Ray, slack: f32) -> Option<Hit> {
+    fn nearest(&self, ray: Ray, slack: Vec3A) -> Option<Hit> {
         let sheared = ShearedRay::new(ray.origin, ray.direction).with_slack(slack);
         let mut hit = RayHit::none();
         self.bvh.ray_traverse(ray, &mut hit, |_, slot| self.triangles[slot].distance(&sheared)).then_some(())?;
         let slot = hit.primitive_id as usize;
         let crossing = self.triangles[slot].crossing(&sheared)?;
         let [object, triangle] = self.owners[slot];
-        let distance = self.space.length_in_world(f64::from(crossing.distance));
+        let distance = self.space.length_in_world(crossing.distance);
         Some(Hit { object, triangle, barycentrics: crossing.barycentrics, distance })
     }
 
     /// Whether anything lies along a ray in world space, however far.
     pub fn occluded(&self, origin: Vec3, direction: Vec3) -> bool {
-        self.clipped(origin, direction).is_some_and(|(ray, _)| !self.unoccluded(ray, 0.0))
+        self.clipped(origin, direction).is_some_and(|(ray, _)| !self.unoccluded(ray, Vec3A::ZERO))
     }
 
     /// The ray in tracing space, moved forward to the scene's bounding sphere if it starts outside, and by how much it
@@ -213,7 +218,7 @@ impl Tracer {
 
     /// Whether nothing lies along a ray in tracing space (see [`ShearedRay::with_slack`]).
     #[inline(always)]
-    pub(crate) fn unoccluded(&self, ray: Ray, slack: f32) -> bool {
+    pub(crate) fn unoccluded(&self, ray: Ray, slack: Vec3A) -> bool {
         let sheared = ShearedRay::new(ray.origin, ray.direction).with_slack(slack);
         self.bvh.ray_traverse_miss(ray, |_, slot| self.triangles[slot].distance(&sheared))
     }
@@ -233,7 +238,7 @@ impl Tracer {
     /// The surface point of a hit: position, normal and albedo interpolated over the triangle. `direction` is the ray's.
     pub fn surface_at(&self, hit: &Hit, direction: Vec3) -> Surface {
         let (object, pose) = &self.objects[hit.object as usize];
-        let (mesh, weights) = (&object.mesh, hit.barycentrics.as_dvec3().to_array());
+        let (mesh, weights) = (&object.mesh, hit.barycentrics.to_array());
         let vertices = mesh.triangles[hit.triangle as usize].map(|v| v as usize);
         let blend = |value: &dyn Fn(usize) -> Vec3| -> DVec3 {
             vertices.iter().zip(weights).map(|(&vertex, weight)| weight * value(vertex).as_dvec3()).sum()
@@ -248,8 +253,8 @@ impl Tracer {
         Surface {
             position,
             normal: if turned { -normal } else { normal },
-            albedo: object.albedo_at(hit.triangle as usize, hit.barycentrics.as_dvec3()),
-            gloss: object.gloss_at(hit.triangle as usize, hit.barycentrics.as_dvec3()),
+            albedo: object.albedo_at(hit.triangle as usize, hit.barycentrics),
+            gloss: object.gloss_at(hit.triangle as usize, hit.barycentrics),
             object: hit.object,
         }
     }

@@ -1,13 +1,24 @@
 //! A watertight test of a ray against a triangle.
 //!
 //! The method is that of \[Woop2013\]: space is sheared so that the ray becomes the third axis, and the signs of three
-//! edge functions of the sheared vertices decide. A sheared vertex depends on the vertex and the ray alone, rounding is
-//! monotone, and an edge function of zero counts as inside for both neighbours, so no ray slips between two triangles that
-//! share an edge or a vertex.
+//! edge functions of the sheared vertices decide. A sheared vertex depends on the vertex and the ray alone, and an edge
+//! function of zero counts as inside for both neighbours, so no ray slips between two triangles that share an edge or a
+//! vertex. Signs that single precision leaves in doubt are found in double precision, so that the corner between
+//! triangles many orders of magnitude larger than what stands in it is closed too.
+//!
+//! Where a ray crosses the plane of a triangle is found in double precision: the distance to a large ground close by is the
+//! difference of large numbers.
 //!
 //! Laid out by axis instead of by vertex, the three vertices are sheared at once in one vector register.
 
-use glam::{Vec3, Vec3A, Vec3Swizzles};
+use glam::{DVec3, Vec3A, Vec3Swizzles};
+
+/// How far rounding may move an edge function, in units of the products that [`Triangle::is_crossed`] adds up: 14 halves of a
+/// unit in the last place, rounded up.
+const EDGE_ROUNDING: f32 = 8.0 * f32::EPSILON;
+
+/// How far behind its origin a ray meets what faces it, in lengths of its slack.
+const REACH_BEHIND: f64 = 4.0;
 
 /// The three vertices of a triangle by axis: `rows[axis] = (v0[axis], v1[axis], v2[axis])`.
 #[derive(Debug, Clone, Copy)]
@@ -19,20 +30,23 @@ pub(crate) struct Triangle {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ShearedRay {
     axes: [usize; 3],
+    /// Permuted by `axes`.
     origin: [f32; 3],
-    shear: [f32; 3],
-    /// How far behind its origin the ray still meets triangles that face it, and how far ahead it doesn't yet meet
-    /// those that face away.
-    slack: f32,
+    shear: [f32; 2],
+    /// As given.
+    start: Vec3A,
+    direction: Vec3A,
+    /// How far, along each axis, the origin may lie beside the surface that it stands for.
+    slack: Vec3A,
 }
 
 /// Where a ray meets a triangle.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Crossing {
-    /// Distance in lengths of the ray's direction, positive.
-    pub(crate) distance: f32,
+    /// Distance in lengths of the ray's direction, positive but for the ray's slack.
+    pub(crate) distance: f64,
     /// Weights of the three vertices, not negative, of sum 1.
-    pub(crate) barycentrics: Vec3,
+    pub(crate) barycentrics: DVec3,
 }
 
 impl ShearedRay {
@@ -40,29 +54,31 @@ impl ShearedRay {
     #[inline(always)]
     pub(crate) fn new(origin: Vec3A, direction: Vec3A) -> Self {
         let size = direction.abs();
-        let (axes, origin, direction) = if size.x > size.y.max(size.z) {
+        let (axes, permuted, along) = if size.x > size.y.max(size.z) {
             ([1, 2, 0], origin.yzx(), direction.yzx())
         } else if size.y > size.z {
             ([2, 0, 1], origin.zxy(), direction.zxy())
         } else {
             ([0, 1, 2], origin, direction)
         };
-        let inverse = 1.0 / direction.z;
+        let inverse = 1.0 / along.z;
         Self {
             axes,
-            origin: origin.to_array(),
-            shear: [direction.x * inverse, direction.y * inverse, inverse],
-            slack: 0.0,
+            origin: permuted.to_array(),
+            shear: [along.x * inverse, along.y * inverse],
+            start: origin,
+            direction,
+            slack: Vec3A::ZERO,
         }
     }
 
-    /// The same ray, started anywhere within `slack` of a triangle: it meets those that face it up to that far behind its
-    /// origin, and doesn't meet those that face away until that far ahead.
+    /// The same ray, started anywhere within `slack` (along each axis) of a triangle: it meets those that face it up to that
+    /// far behind its origin, and doesn't meet those that face away until that far ahead, as measured along their normals.
     ///
     /// A receiver at the foot of a wall lies in the plane of the ground: rays that start there and go down cross the
     /// ground at distance 0 and must not escape below, while those that go up must not be blocked by it.
     #[inline(always)]
-    pub(crate) fn with_slack(self, slack: f32) -> Self {
+    pub(crate) fn with_slack(self, slack: Vec3A) -> Self {
         Self { slack, ..self }
     }
 }
@@ -74,39 +90,90 @@ impl Triangle {
         Self { rows: std::array::from_fn(|axis| Vec3A::new(a[axis], b[axis], c[axis])) }
     }
 
-    /// Edge functions and sheared depths, if the line of the ray passes through the triangle.
-    #[inline(always)]
-    fn edges_and_depths(&self, ray: &ShearedRay) -> Option<(Vec3A, Vec3A)> {
-        let [kx, ky, kz] = ray.axes;
-        let z = self.rows[kz] - Vec3A::splat(ray.origin[2]);
-        let x = (self.rows[kx] - Vec3A::splat(ray.origin[0])) - ray.shear[0] * z;
-        let y = (self.rows[ky] - Vec3A::splat(ray.origin[1])) - ray.shear[1] * z;
-        // No fused multiply-add here: rounding both products alike makes the function of an edge exactly the negative
-        // of its neighbour's.
-        let edges = x.zxy() * y.yzx() - y.zxy() * x.yzx();
-        let (negative, positive) = (edges.cmplt(Vec3A::ZERO).bitmask(), edges.cmpgt(Vec3A::ZERO).bitmask());
-        (negative == 0 || positive == 0).then_some((edges, z))
-    }
-
     /// The distance at which the ray crosses the triangle, in lengths of its direction; infinite if it doesn't. Positive,
     /// but for the ray's slack.
     #[inline(always)]
     pub(crate) fn distance(&self, ray: &ShearedRay) -> f32 {
-        let Some((edges, depths)) = self.edges_and_depths(ray) else { return f32::INFINITY };
-        let determinant = edges.element_sum();
-        let distance = edges.dot(depths) * ray.shear[2] / determinant;
-        // The axes were permuted cyclically, so that the determinant's sign tells the faces apart.
-        let nearest = if determinant * ray.shear[2] > 0.0 { -ray.slack } else { ray.slack };
-        // A determinant of 0 gives NaN or an infinity, which this comparison refuses too.
-        if distance > nearest && distance.is_finite() { distance } else { f32::INFINITY }
+        if !self.is_crossed(ray) {
+            return f32::INFINITY;
+        }
+        self.plane_crossing(ray).map_or(f32::INFINITY, |(distance, _)| distance as f32)
     }
 
     /// The crossing with its barycentric coordinates.
     pub(crate) fn crossing(&self, ray: &ShearedRay) -> Option<Crossing> {
-        let (edges, _) = self.edges_and_depths(ray)?;
-        let distance = self.distance(ray);
-        let barycentrics = Vec3::from(edges / edges.element_sum());
-        (distance.is_finite() && barycentrics.is_finite()).then_some(Crossing { distance, barycentrics })
+        let (distance, normal) = self.is_crossed(ray).then(|| self.plane_crossing(ray))??;
+        let [a, b, c] = self.vertices();
+        let point = ray.start.as_dvec3() + distance * ray.direction.as_dvec3() - a;
+        let squared = normal.length_squared();
+        let (v, w) = (normal.dot(point.cross(c - a)) / squared, normal.dot((b - a).cross(point)) / squared);
+        let weights = DVec3::new(1.0 - v - w, v, w).max(DVec3::ZERO);
+        Some(Crossing { distance, barycentrics: weights / weights.element_sum() })
+    }
+
+    fn vertices(&self) -> [DVec3; 3] {
+        [0, 1, 2].map(|vertex| DVec3::from_array(self.rows.map(|row| f64::from(row[vertex]))))
+    }
+
+    /// Whether the line of the ray passes through the triangle.
+    #[inline(always)]
+    fn is_crossed(&self, ray: &ShearedRay) -> bool {
+        let [kx, ky, kz] = ray.axes;
+        let z = self.rows[kz] - Vec3A::splat(ray.origin[2]);
+        let x = (self.rows[kx] - Vec3A::splat(ray.origin[0])) - ray.shear[0] * z;
+        let y = (self.rows[ky] - Vec3A::splat(ray.origin[1])) - ray.shear[1] * z;
+        let edges = x.zxy() * y.yzx() - y.zxy() * x.yzx();
+        // Sheared coordinates err by six halves of a unit in the last place of `reach`.
+        let across = x.abs().max(y.abs());
+        let reach = across + z.abs();
+        let doubt = EDGE_ROUNDING * (across.zxy() * reach.yzx() + across.yzx() * reach.zxy());
+        let (negative, positive) = (edges.cmplt(-doubt).bitmask(), edges.cmpgt(doubt).bitmask());
+        if negative != 0 && positive != 0 {
+            return false;
+        }
+        negative | positive == 0b111 || self.is_crossed_exactly(ray)
+    }
+
+    /// [`Self::is_crossed`] in double precision.
+    #[cold]
+    fn is_crossed_exactly(&self, ray: &ShearedRay) -> bool {
+        let [kx, ky, kz] = ray.axes;
+        let (start, direction) = (ray.start.as_dvec3(), ray.direction.as_dvec3());
+        let row = |axis: usize| self.rows[axis].as_dvec3() - DVec3::splat(start[axis]);
+        let z = row(kz);
+        let x = row(kx) - direction[kx] / direction[kz] * z;
+        let y = row(ky) - direction[ky] / direction[kz] * z;
+        // No fused multiply-add here: rounding both products alike makes the function of an edge exactly the negative
+        // of its neighbour's.
+        let edge = |i: usize, k: usize| x[i] * y[k] - y[i] * x[k];
+        let edges = [edge(2, 1), edge(0, 2), edge(1, 0)];
+        edges.iter().all(|&edge| edge >= 0.0) || edges.iter().all(|&edge| edge <= 0.0)
+    }
+
+    /// Where the ray crosses the plane, and the plane's normal, as long as twice the triangle's area. `None` if that is
+    /// behind its origin, or the plane holds the ray.
+    #[inline(always)]
+    fn plane_crossing(&self, ray: &ShearedRay) -> Option<(f64, DVec3)> {
+        let [a, b, c] = self.vertices();
+        let normal = (b - a).cross(c - a);
+        let [a, b, c] = [a, b, c].map(|vertex| vertex - ray.start.as_dvec3());
+        let (ahead, facing) = (normal.dot(a), normal.dot(ray.direction.as_dvec3()));
+        let slack = normal.abs().dot(ray.slack.as_dvec3());
+        let is_met = if facing > 0.0 {
+            // Leaving through the back.
+            ahead > slack
+        } else {
+            // Entering through the front: but what a ray along a curved surface entered farther back it may have left.
+            facing < 0.0 && ahead < slack && ahead < -facing * REACH_BEHIND * f64::from(ray.slack.max_element())
+        };
+        if !is_met {
+            return None;
+        }
+        // Of a triangle seen edge-on the plane may be crossed elsewhere, but no farther away than its vertices.
+        let along = ray.axes[2];
+        let depths = DVec3::new(a[along], b[along], c[along]) / f64::from(ray.direction[along]);
+        let distance = (ahead / facing).clamp(depths.min_element(), depths.max_element());
+        Some((distance, normal))
     }
 }
 
@@ -136,9 +203,11 @@ mod tests {
             }
             hits += 1;
             let b = crossing.barycentrics;
-            let on_triangle = b.x * vertices[0] + b.y * vertices[1] + b.z * vertices[2];
-            assert!((origin + crossing.distance * direction).distance(on_triangle) < 1e-4);
-            assert!(b.min_element() >= 0.0 && (b.element_sum() - 1.0).abs() < 1e-5);
+            let [v0, v1, v2] = vertices.map(|vertex| vertex.as_dvec3());
+            let on_triangle = b.x * v0 + b.y * v1 + b.z * v2;
+            let on_ray = origin.as_dvec3() + crossing.distance * direction.as_dvec3();
+            assert!(on_ray.distance(on_triangle) < 1e-6);
+            assert!(b.min_element() >= 0.0 && (b.element_sum() - 1.0).abs() < 1e-12);
         }
         assert!(hits > 100);
     }
@@ -149,7 +218,7 @@ mod tests {
         let mut rng = Pcg64Mcg::seed_from_u64(2);
         for _ in 0..1000 {
             let direction = random_point(&mut rng).normalize();
-            let ray = ShearedRay::new(Vec3A::new(1.0, 0.0, 1.0), direction).with_slack(1e-3);
+            let ray = ShearedRay::new(Vec3A::new(1.0, 0.0, 1.0), direction).with_slack(Vec3A::splat(1e-3));
             assert_eq!(up.distance(&ray).is_finite(), direction.y < 0.0, "{direction}");
         }
     }

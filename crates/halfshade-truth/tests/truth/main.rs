@@ -4,5 +4,6 @@ mod bounces;
 mod closed_forms;
 mod estimator;
 mod gloss;
+mod ground_scale;
 mod scenes;
 mod self_shadowing;
