@@ -5,7 +5,7 @@
 
 use halfshade_scene::{
     Environment, Frame, GlossVariation, Material, Mesh, Object, Receivers, Scene, Texture, cache::CacheKey,
-    light::DistantLight,
+    light::DistantLight, mesh::AlphaMask,
 };
 use halfshade_truth::Options;
 
@@ -87,9 +87,10 @@ fn of_object(key: CacheKey, object: &Object) -> CacheKey {
 }
 
 fn of_mesh(key: CacheKey, mesh: &Mesh) -> CacheKey {
-    let Mesh { positions, normals, colors, texture_coordinates, textures, triangles } = mesh;
+    let Mesh { positions, normals, colors, texture_coordinates, textures, triangles, masks, coverage } = mesh;
     let textures: Vec<&Texture> = textures.iter().map(|texture| &**texture).collect();
-    key.value(&(positions, normals, colors, texture_coordinates, textures, triangles))
+    let key = key.value(&(positions, normals, colors, texture_coordinates, textures, triangles, coverage, masks.len()));
+    masks.iter().fold(key, |key, AlphaMask { texture, cutoff }| key.value(&(texture.as_deref(), cutoff)))
 }
 
 fn of_material(key: CacheKey, material: &Material) -> CacheKey {
@@ -165,6 +166,8 @@ mod tests {
         mesh.colors = vec![Vec3::splat(0.5); mesh.positions.len()];
         mesh.texture_coordinates = vec![Vec2::splat(0.5).extend(0.0); mesh.positions.len()];
         mesh.textures = vec![texture(0.5)];
+        mesh.masks = vec![AlphaMask { texture: Some(texture(0.5)), cutoff: 0.5 }];
+        mesh.coverage = vec![Vec2::X; mesh.positions.len()];
         object.material.texture = Some(texture(0.25));
         let lobe = LafortuneLobe { scale: Vec3::splat(0.1), axis: Vec3::ONE, exponent: 3.0 };
         object.material.reflectance = Reflectance::Lafortune { lobes: vec![lobe] };
@@ -232,6 +235,10 @@ mod tests {
                 assert_eq!(wrapped.at(DVec2::ZERO), Vec3::splat(0.5));
                 p.mesh().textures[0] = Arc::new(wrapped);
             }),
+            ("mask", |p| p.mesh().masks[0].cutoff *= 0.5),
+            ("mask's texture", |p| p.mesh().masks[0].texture = Some(texture(0.75))),
+            ("no mask", |p| p.mesh().masks.clear()),
+            ("coverage", |p| p.mesh().coverage[3].x *= 0.5),
             ("triangles", |p| p.mesh().triangles[0].rotate_left(1)),
             ("albedo", |p| p.material().albedo.x *= 0.5),
             ("texture", |p| p.material().texture = Some(texture(0.75))),

@@ -10,7 +10,8 @@
 //! Normals are turned by the cofactors of the blended matrix, which keep them upright to the deformed surface as far as the
 //! weights are locally constant: the usual approximation.
 
-use crate::{Mesh, Motion, Pose};
+use crate::morph::morphed;
+use crate::{Mesh, MorphTarget, Motion, Pose};
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 use serde::Serialize;
 
@@ -28,13 +29,17 @@ pub struct Joint {
     pub joint_from_rest: Affine3A,
 }
 
-/// A skeleton and how it moves the vertices of a mesh.
-#[derive(Debug, Clone, PartialEq)]
+/// A skeleton and how it moves the vertices of a mesh, after morph targets have moved them.
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Skin {
     /// Parents before their children.
     pub joints: Vec<Joint>,
     /// Per vertex the joints that move it and their weights, which are not negative and add up to 1.
     pub influences: Vec<[(u16, f32); INFLUENCES]>,
+    /// Morph targets, if there are any.
+    pub morphs: Vec<MorphTarget>,
+    /// Triangles whose corners, which are no other triangle's, have its own normal also when it deforms.
+    pub flat_triangles: Vec<u32>,
 }
 
 /// The vertices of a mesh that has left its rest, in the object's space.
@@ -47,15 +52,15 @@ pub struct Deformed {
 }
 
 impl Skin {
-    /// Whether any joint ever moves.
+    /// Whether any joint ever moves, or the weight of any morph target.
     pub fn moves(&self) -> bool {
-        self.joints.iter().any(|joint| joint.motion.moves())
+        self.joints.iter().any(|joint| joint.motion.moves()) || self.morphs.iter().any(MorphTarget::moves)
     }
 
-    /// The time of the last keyframe of any joint; 0 without one.
+    /// The time of the last keyframe of any joint or morph target; 0 without one.
     pub fn last_key_secs(&self) -> f64 {
-        let last = |joint: &Joint| joint.motion.last_key_secs().unwrap_or(0.0);
-        self.joints.iter().map(last).fold(0.0, f64::max)
+        let of_joints = self.joints.iter().filter_map(|joint| joint.motion.last_key_secs());
+        of_joints.chain(self.morphs.iter().filter_map(MorphTarget::last_key_secs)).fold(0.0, f64::max)
     }
 
     /// A bound on how far from the object's origin any vertex of `mesh` ever comes.
@@ -64,7 +69,8 @@ impl Skin {
     /// and in one direction: far too much for long chains, but in time that grows only with the number of keys. It is
     /// infinite where an f32 along the way might be.
     pub fn reach(&self, mesh: &Mesh) -> f64 {
-        let farthest = mesh.positions.iter().map(|p| p.as_dvec3().length()).fold(0.0, f64::max);
+        let at_rest = mesh.positions.iter().map(|p| p.as_dvec3().length()).fold(0.0, f64::max);
+        let farthest = at_rest + self.morphs.iter().map(MorphTarget::reach).sum::<f64>();
         // Of each joint how far its origin comes and how much it scales, at most.
         let mut bounds: Vec<(f64, f64)> = Vec::with_capacity(self.joints.len());
         let mut reach = 0.0_f64;
@@ -99,7 +105,12 @@ impl Skin {
         let moved: Vec<Affine3A> =
             object_from_joint.iter().zip(&self.joints).map(|(pose, joint)| *pose * joint.joint_from_rest).collect();
         let mut deformed = Deformed::default();
-        for ((position, normal), influences) in mesh.positions.iter().zip(&mesh.normals).zip(&self.influences) {
+        let morphed = (!self.morphs.is_empty()).then(|| morphed(&self.morphs, mesh, time_secs));
+        let (positions, normals) = match &morphed {
+            Some(Deformed { positions, normals }) => (positions, normals),
+            None => (&mesh.positions, &mesh.normals),
+        };
+        for ((position, normal), influences) in positions.iter().zip(normals).zip(&self.influences) {
             let (mut matrix, mut translation) = (Mat3A::ZERO, Vec3A::ZERO);
             for &(joint, weight) in influences.iter().filter(|(_, weight)| *weight > 0.0) {
                 matrix += moved[joint as usize].matrix3 * weight;
@@ -109,6 +120,14 @@ impl Skin {
             let [x, y, z] = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
             let turned = Mat3A::from_cols(y.cross(z), z.cross(x), x.cross(y)) * Vec3A::from(*normal);
             deformed.normals.push(Vec3::from(turned).normalize_or(*normal));
+        }
+        for &triangle in &self.flat_triangles {
+            let corners = mesh.triangles[triangle as usize].map(|vertex| vertex as usize);
+            let [a, b, c] = corners.map(|vertex| deformed.positions[vertex].as_dvec3());
+            // A triangle without area keeps the normal that it had.
+            if let Some(normal) = (b - a).cross(c - a).try_normalize() {
+                corners.into_iter().for_each(|vertex| deformed.normals[vertex] = normal.as_vec3());
+            }
         }
         deformed
     }
@@ -132,7 +151,7 @@ mod tests {
                 [(0, 1.0 - upper), (1, upper), (0, 0.0), (0, 0.0)]
             })
             .collect();
-        (mesh, Skin { joints: vec![still(Pose::IDENTITY), still(bent)], influences })
+        (mesh, Skin { joints: vec![still(Pose::IDENTITY), still(bent)], influences, ..Skin::default() })
     }
 
     #[test]

@@ -1,12 +1,12 @@
 //! Pictures on surfaces: colours that multiply an albedo, looked up by texture coordinates.
 //!
 //! PNG and JPEG hold sRGB \[IEC61966-2-1\]; texels are decoded to linear values before anything is interpolated. Lookups
-//! are bilinear at the full resolution, whatever filter a file asks for: there are no mipmaps. Alpha and colour profiles
-//! are ignored.
+//! are bilinear at the full resolution, whatever filter a file asks for: there are no mipmaps. Alpha is read apart, where
+//! it cuts holes into a surface. Colour profiles are ignored.
 
 use crate::SceneError;
 use glam::{DVec2, Vec3};
-use image::{ImageError, ImageFormat, ImageReader, Limits};
+use image::{DynamicImage, ImageBuffer, ImageError, ImageFormat, ImageReader, Limits, Rgb};
 use serde::Serialize;
 use std::io::Cursor;
 use std::path::Path;
@@ -76,27 +76,34 @@ impl Texture {
 
     /// Decodes PNG or JPEG.
     pub fn decode(bytes: &[u8]) -> Result<Self, SceneError> {
-        let wrong = |error: ImageError| {
-            SceneError::new(format!("the image cannot be decoded: {error}"))
-                .with_remedy("it must be a whole PNG or JPEG file")
-        };
-        let format = match image::guess_format(bytes) {
-            Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg)) => format,
-            _ => return Err(SceneError::new("the image is neither PNG nor JPEG").with_remedy("convert it to PNG")),
-        };
-        if format == ImageFormat::Jpeg && !jpeg_ends(bytes) {
-            return Err(SceneError::new("the JPEG image was cut short").with_remedy("get the file again"));
+        Self::from_image(image(bytes)?.into_rgb16())
+    }
+
+    /// Decodes PNG or JPEG: its colours and, unless it is 1 all over, its alpha, in all channels.
+    pub fn decode_with_alpha(bytes: &[u8]) -> Result<(Self, Option<Self>), SceneError> {
+        let image = image(bytes)?;
+        let mut alpha = None;
+        if image.color().has_alpha() {
+            let list: Vec<u16> = image.to_rgba16().pixels().map(|pixel| pixel.0[3]).collect();
+            if list.iter().any(|code| *code != u16::MAX) {
+                let texels = list.into_iter().map(|code| Vec3::splat(f32::from(code) / 65535.0)).collect();
+                alpha = Some(Self::new(image.width() as usize, image.height() as usize, texels)?);
+            }
         }
-        let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
-        let mut limits = Limits::default();
-        limits.max_image_width = Some(LARGEST_SIDE);
-        limits.max_image_height = Some(LARGEST_SIDE);
-        reader.limits(limits);
-        // 16 bits hold 8-bit values exactly, as the same fraction of the maximum.
-        let image = reader.decode().map_err(wrong)?.into_rgb16();
+        Ok((Self::from_image(image.into_rgb16())?, alpha))
+    }
+
+    /// Of sRGB values. 16 bits hold 8-bit ones exactly, as the same fraction of the maximum.
+    fn from_image(image: ImageBuffer<Rgb<u16>, Vec<u16>>) -> Result<Self, SceneError> {
         let linear: Vec<f32> = (0..=u16::MAX).map(|code| linear_from_srgb(f64::from(code) / 65535.0) as f32).collect();
         let texels = image.pixels().map(|pixel| Vec3::from(pixel.0.map(|code| linear[usize::from(code)]))).collect();
         Self::new(image.width() as usize, image.height() as usize, texels)
+    }
+
+    /// The least and the largest value of the first channel.
+    pub(crate) fn red_bounds(&self) -> [f32; 2] {
+        let reds = || self.texels.iter().map(|texel| texel.x);
+        [reds().fold(f32::INFINITY, f32::min), reds().fold(f32::NEG_INFINITY, f32::max)]
     }
 
     /// The value at a finite coordinate, interpolated bilinearly between texel centres: (0, 0) is the top left corner of
@@ -117,6 +124,36 @@ impl Texture {
     }
 }
 
+/// The pixels of a PNG or JPEG file, told apart by content.
+fn image(bytes: &[u8]) -> Result<DynamicImage, SceneError> {
+    let wrong = |error: ImageError| {
+        SceneError::new(format!("the image cannot be decoded: {error}"))
+            .with_remedy("it must be a whole PNG or JPEG file")
+    };
+    let format = match image::guess_format(bytes) {
+        Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg)) => format,
+        other => {
+            let found = match other {
+                Ok(format) => format!(", but {format:?}"),
+                Err(_) if bytes.starts_with(b"\xabKTX 20\xbb") => ", but KTX2".to_owned(),
+                Err(_) => String::new(),
+            };
+            return Err(
+                SceneError::new(format!("the image is neither PNG nor JPEG{found}")).with_remedy("convert it to PNG")
+            );
+        }
+    };
+    if format == ImageFormat::Jpeg && !jpeg_ends(bytes) {
+        return Err(SceneError::new("the JPEG image was cut short").with_remedy("get the file again"));
+    }
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+    let mut limits = Limits::default();
+    limits.max_image_width = Some(LARGEST_SIDE);
+    limits.max_image_height = Some(LARGEST_SIDE);
+    reader.limits(limits);
+    reader.decode().map_err(wrong)
+}
+
 /// Whether the mark of the end follows the last scan: the decoder fills in grey for what is missing. Within a scan
 /// neither mark occurs.
 fn jpeg_ends(bytes: &[u8]) -> bool {
@@ -132,7 +169,7 @@ fn linear_from_srgb(value: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use image::{DynamicImage, GrayImage, ImageBuffer, Luma, Rgba, RgbaImage};
+    use image::{GrayImage, Luma, Rgba, RgbaImage};
 
     fn encoded(image: impl Into<DynamicImage>, format: ImageFormat) -> Vec<u8> {
         let mut bytes = Cursor::new(Vec::new());
@@ -204,12 +241,19 @@ mod tests {
     }
 
     #[test]
-    fn colours_and_rows_keep_their_places_and_alpha_is_ignored() {
+    fn colours_and_rows_keep_their_places_and_alpha_is_apart() {
         let mut image = RgbaImage::from_pixel(2, 3, Rgba([0, 0, 0, 9]));
         image.put_pixel(1, 2, Rgba([255, 0, 0, 0]));
-        let texture = Texture::decode(&encoded(image, ImageFormat::Png)).unwrap();
+        let bytes = encoded(image, ImageFormat::Png);
+        let texture = Texture::decode(&bytes).unwrap();
         assert_eq!((texture.width, texture.height, texture.texels[5]), (2, 3, Vec3::X));
         assert_eq!(texture.at(DVec2::new(0.75, 2.5 / 3.0)), Vec3::X);
+        let (color, alpha) = Texture::decode_with_alpha(&bytes).unwrap();
+        let alpha = alpha.unwrap();
+        assert_eq!((color, alpha.red_bounds()), (texture, [0.0, 9.0 / 255.0]));
+        assert_eq!(alpha.at(DVec2::new(0.75, 2.5 / 3.0)), Vec3::ZERO);
+        let opaque = encoded(RgbaImage::from_pixel(2, 3, Rgba([9, 9, 9, 255])), ImageFormat::Png);
+        assert_eq!(Texture::decode_with_alpha(&opaque).unwrap().1, None);
         let flat = image::RgbImage::from_pixel(16, 16, image::Rgb([200, 100, 50]));
         let flat = Texture::decode(&encoded(flat, ImageFormat::Jpeg)).unwrap().at(DVec2::splat(0.5));
         let expected = [200.0, 100.0, 50.0].map(|code: f64| linear_from_srgb(code / 255.0) as f32);

@@ -140,7 +140,10 @@ fn the_sound_files_load_and_agree() {
             meshes.push(mesh::load(&path).unwrap());
         }
     }
-    assert!(meshes.len() == 5 && meshes.iter().all(|mesh| *mesh == meshes[0]));
+    // By places: only a glTF's triangles are flat where normals are missing.
+    let welded: Vec<mesh::Welded> = meshes.iter().map(mesh::weld).collect();
+    let is_first = |m: &mesh::Welded| (&m.positions, &m.triangles) == (&welded[0].positions, &welded[0].triangles);
+    assert!(welded.len() == 5 && welded.iter().all(is_first));
     assert!(mesh::Topology::of(&meshes[0]).is_solid());
     let map = load_probe(&folder.path().join("sound.exr"), Projection::LatLong, 0.0).unwrap();
     assert_eq!(map.texels()[8 + 3], Vec3::new(3.0, 1.0, 1.0));

@@ -22,7 +22,7 @@ fn by_skeletons(scene: &Scene) -> Scene {
         let influences = vec![[(0, 1.0), (0, 0.0), (0, 0.0), (0, 0.0)]; object.mesh.positions.len()];
         Object {
             motion: Motion::Still(Pose::IDENTITY),
-            skin: Some(Arc::new(Skin { joints: vec![joint], influences })),
+            skin: Some(Arc::new(Skin { joints: vec![joint], influences, ..Skin::default() })),
             ..object.clone()
         }
     };

@@ -48,7 +48,8 @@ pub struct Surface {
 
 /// One frame of a scene, ready for rays: the triangles of all objects in one hierarchy, the spheres, and the light.
 ///
-/// Every mesh blocks, that of objects that only receive too; both faces of a triangle do. Vertices stand
+/// Every mesh blocks, that of objects that only receive too; both faces of a triangle do, but for the holes that alpha masks
+/// cut. Vertices stand
 /// where [`ReceiverBuffer::vertices`] puts them, so that receivers lie on the triangles to the last bit.
 #[derive(Debug)]
 pub struct Tracer {
@@ -68,6 +69,8 @@ pub struct Tracer {
     /// What receivers reflect towards the eye, if anything is glossy.
     pub(crate) eye_lobes: Option<EyeLobes>,
     inward: Inward,
+    /// Whether any mesh has triangles with holes.
+    has_holes: bool,
 }
 
 struct PaddedBox(Aabb);
@@ -131,6 +134,7 @@ impl Tracer {
         };
         let triangles = bvh.primitive_indices.iter().map(|&i| Triangle::new(corners[i as usize])).collect();
         let owners = bvh.primitive_indices.iter().map(|&i| owners[i as usize]).collect();
+        let has_holes = objects.iter().any(|(object, _)| object.mesh.has_cutouts());
         Self {
             space,
             bvh,
@@ -142,6 +146,7 @@ impl Tracer {
             lights: Lights::new(frame),
             eye_lobes: EyeLobes::new(frame),
             inward,
+            has_holes,
         }
     }
 
@@ -185,7 +190,12 @@ impl Tracer {
     fn nearest(&self, ray: Ray, slack: Vec3A) -> Option<Hit> {
         let sheared = ShearedRay::new(ray.origin, ray.direction).with_slack(slack);
         let mut hit = RayHit::none();
-        self.bvh.ray_traverse(ray, &mut hit, |_, slot| self.triangles[slot].distance(&sheared)).then_some(())?;
+        let is_hit = if self.has_holes {
+            self.bvh.ray_traverse(ray, &mut hit, |_, slot| self.distance_past_holes(slot, &sheared))
+        } else {
+            self.bvh.ray_traverse(ray, &mut hit, |_, slot| self.triangles[slot].distance(&sheared))
+        };
+        is_hit.then_some(())?;
         let slot = hit.primitive_id as usize;
         let crossing = self.triangles[slot].crossing(&sheared)?;
         let [object, triangle] = self.owners[slot];
@@ -220,7 +230,22 @@ impl Tracer {
     #[inline(always)]
     pub(crate) fn unoccluded(&self, ray: Ray, slack: Vec3A) -> bool {
         let sheared = ShearedRay::new(ray.origin, ray.direction).with_slack(slack);
+        if self.has_holes {
+            return self.bvh.ray_traverse_miss(ray, |_, slot| self.distance_past_holes(slot, &sheared));
+        }
         self.bvh.ray_traverse_miss(ray, |_, slot| self.triangles[slot].distance(&sheared))
+    }
+
+    /// The distance of a triangle along a ray; infinite too where the ray passes through a hole that a mask cuts.
+    fn distance_past_holes(&self, slot: usize, ray: &ShearedRay) -> f32 {
+        let distance = self.triangles[slot].distance(ray);
+        let [object, triangle] = self.owners[slot].map(|number| number as usize);
+        let mesh = &self.objects[object].0.mesh;
+        let passes = distance.is_finite()
+            && mesh.mask_of(triangle).is_some()
+            && (self.triangles[slot].crossing(ray))
+                .is_some_and(|crossing| mesh.is_cut_out(triangle, crossing.barycentrics.as_dvec3()));
+        if passes { f32::INFINITY } else { distance }
     }
 
     /// The first hit through the centre of every pixel, row by row from the top.

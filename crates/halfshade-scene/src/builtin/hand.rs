@@ -174,7 +174,7 @@ fn skin(mesh: &Mesh) -> Skin {
             influences
         })
         .collect();
-    Skin { joints, influences }
+    Skin { joints, influences, ..Skin::default() }
 }
 
 #[cfg(test)]

@@ -1,10 +1,10 @@
 //! From what a file says to a sound mesh.
 
 use super::weld::position_key;
-use super::{Mesh, repaired, smooth_normals, weld};
+use super::{AlphaMask, Mesh, repaired, smooth_normals, weld};
 use crate::skin::INFLUENCES;
-use crate::{SceneError, Texture};
-use glam::Vec3;
+use crate::{MorphShift, MorphTarget, SceneError, Texture};
+use glam::{Vec2, Vec3};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -28,10 +28,36 @@ pub(super) struct RawMesh {
     pub(super) triangles: Vec<[u32; 3]>,
     /// Joints and weights of each vertex, as in [`crate::Skin`]; empty, or one per position.
     pub(super) influences: Vec<[(u16, f32); INFLUENCES]>,
+    /// As in [`Mesh`].
+    pub(super) masks: Vec<AlphaMask>,
+    /// As in [`Mesh`].
+    pub(super) coverage: Vec<Vec2>,
+    /// Morph targets whose weights move.
+    pub(super) morphs: Vec<RawMorph>,
+    /// Whether a vertex has the normal of its triangle, which no other has, also when the mesh deforms; empty, or one per
+    /// position.
+    pub(super) flat: Vec<bool>,
     /// What the file calls a vertex's place, for messages: its line number by vertex, where there are lines.
     pub(super) lines: Vec<usize>,
     /// What was left out or guessed, for people.
     pub(super) notes: Vec<String>,
+}
+
+/// A morph target: its weight beyond that at rest, as in [`crate::MorphTarget`], and what it shifts.
+#[derive(Debug, Clone, Default)]
+pub(super) struct RawMorph {
+    pub(super) weight: Vec<(f64, f32)>,
+    pub(super) shifts: Vec<RawShift>,
+}
+
+/// Where a vertex goes with a weight of 1.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct RawShift {
+    pub(super) vertex: u32,
+    pub(super) position: Vec3,
+    /// Of the normal, while that is `from`.
+    pub(super) normal: Vec3,
+    pub(super) from: Vec3,
 }
 
 /// A sound mesh.
@@ -40,14 +66,18 @@ pub(super) struct Assembled {
     pub(super) mesh: Mesh,
     /// As in [`RawMesh`], of the mesh's vertices.
     pub(super) influences: Vec<[(u16, f32); INFLUENCES]>,
+    /// As in [`RawMesh`], of the mesh's vertices.
+    pub(super) morphs: Vec<MorphTarget>,
+    /// Triangles whose corners have their normals, also when the mesh deforms.
+    pub(super) flat_triangles: Vec<u32>,
     /// What was left out, guessed and repaired, for people.
     pub(super) notes: Vec<String>,
 }
 
 /// Checks, repairs and completes a mesh; see [`super::load`].
 pub(super) fn assemble(raw: RawMesh) -> Result<Assembled, SceneError> {
-    let RawMesh { positions, normals, colors, texture_coordinates, textures, triangles, influences, lines, mut notes } =
-        raw;
+    let RawMesh { positions, normals, colors, texture_coordinates, textures, triangles, influences, .. } = raw;
+    let RawMesh { masks, coverage, morphs, flat, lines, mut notes, .. } = raw;
     let about = |index: usize, problem: String| {
         let error = SceneError::new(problem).with_remedy("repair or rescale the mesh in the program that wrote it");
         match lines.get(index) {
@@ -79,13 +109,44 @@ pub(super) fn assemble(raw: RawMesh) -> Result<Assembled, SceneError> {
     if triangles.is_empty() {
         return Err(SceneError::new("the mesh has no triangles"));
     }
-    let (mesh, repairs) = repaired(&Mesh { positions, normals, colors, texture_coordinates, textures, triangles });
+    let mesh = Mesh { positions, normals, colors, texture_coordinates, textures, triangles, masks, coverage };
+    let (mesh, repairs) = repaired(&mesh);
     notes.extend(repairs);
     if mesh.triangles.is_empty() {
         return Err(SceneError::new("no triangle of the mesh has an area"));
     }
-    let (mesh, influences) = compacted(with_unit_normals(mesh), &influences);
-    Ok(Assembled { mesh, influences, notes })
+    let mut stands_alone = flat.clone();
+    if morphs.iter().any(|morph| !morph.shifts.is_empty()) {
+        stands_alone.resize(mesh.positions.len(), false);
+        morphs.iter().flat_map(|morph| &morph.shifts).for_each(|shift| stands_alone[shift.vertex as usize] = true);
+    }
+    let (mesh, sources) = compacted(with_unit_normals(mesh), &influences, &stands_alone);
+    let morphs = morph_targets(&morphs, &mesh, &sources);
+    let is_flat = |t: &u32| mesh.triangles[*t as usize].iter().all(|&v| flat.get(sources[v as usize]) == Some(&true));
+    let flat_triangles = (0..mesh.triangles.len() as u32).filter(is_flat).collect();
+    let influences = sources.iter().filter_map(|&vertex| influences.get(vertex).copied()).collect();
+    Ok(Assembled { mesh, influences, morphs, flat_triangles, notes })
+}
+
+/// Morph targets of a mesh whose vertices have these numbers in the file.
+fn morph_targets(morphs: &[RawMorph], mesh: &Mesh, sources: &[usize]) -> Vec<MorphTarget> {
+    let number_of: HashMap<usize, u32> = if morphs.is_empty() {
+        HashMap::new()
+    } else {
+        sources.iter().enumerate().map(|(vertex, &source)| (source, vertex as u32)).collect()
+    };
+    let shift = |shift: &RawShift| {
+        let vertex = *number_of.get(&(shift.vertex as usize))?;
+        // Repair may have turned the normal around.
+        let is_turned = mesh.normals[vertex as usize].dot(shift.from) < 0.0;
+        let normal = if is_turned { -shift.normal } else { shift.normal };
+        Some(MorphShift { vertex, position: shift.position, normal })
+    };
+    let target = |morph: &RawMorph| MorphTarget {
+        weight: morph.weight.clone(),
+        shifts: morph.shifts.iter().filter_map(shift).collect(),
+    };
+    morphs.iter().map(target).collect()
 }
 
 /// Normals of unit length: those given, else smooth ones.
@@ -107,25 +168,28 @@ fn with_unit_normals(mut mesh: Mesh) -> Mesh {
 }
 
 /// The same mesh without unused vertices, and with one vertex where several were equal in everything, what moves them
-/// included.
-fn compacted(mesh: Mesh, influences: &[[(u16, f32); INFLUENCES]]) -> (Mesh, Vec<[(u16, f32); INFLUENCES]>) {
-    let mut result = Mesh { textures: mesh.textures, ..Mesh::default() };
-    let mut kept_influences = Vec::new();
+/// included; of each vertex that is left its number before. Those that stand alone stay so.
+fn compacted(mesh: Mesh, influences: &[[(u16, f32); INFLUENCES]], stands_alone: &[bool]) -> (Mesh, Vec<usize>) {
+    let mut result = Mesh { textures: mesh.textures, masks: mesh.masks, ..Mesh::default() };
+    let mut sources = Vec::new();
     let mut index_of: HashMap<_, u32> = HashMap::with_capacity(mesh.positions.len());
     for triangle in &mesh.triangles {
         result.triangles.push(triangle.map(|v| {
             let v = v as usize;
             let (position, normal) = (mesh.positions[v], mesh.normals[v]);
             let (color, place) = (mesh.colors.get(v).copied(), mesh.texture_coordinates.get(v).copied());
-            let moved_by = influences.get(v).copied();
+            let coverage = mesh.coverage.get(v).copied();
             let key = [position, normal, color.unwrap_or_default(), place.unwrap_or_default()].map(position_key);
-            let moved_by_key = moved_by.map(|list| list.map(|(joint, weight)| (joint, weight.to_bits())));
-            *index_of.entry((key, moved_by_key)).or_insert_with(|| {
+            let moved_by = influences.get(v).map(|list| list.map(|(joint, weight)| (joint, weight.to_bits())));
+            let alone = stands_alone.get(v).is_some_and(|alone| *alone).then_some(v);
+            let apart = (moved_by, alone, coverage.map(|coverage| coverage.to_array().map(f32::to_bits)));
+            *index_of.entry((key, apart)).or_insert_with(|| {
                 result.positions.push(position);
                 result.normals.push(normal);
                 result.colors.extend(color);
                 result.texture_coordinates.extend(place);
-                kept_influences.extend(moved_by);
+                result.coverage.extend(coverage);
+                sources.push(v);
                 result.positions.len() as u32 - 1
             })
         }));
@@ -133,7 +197,7 @@ fn compacted(mesh: Mesh, influences: &[[(u16, f32); INFLUENCES]]) -> (Mesh, Vec<
     if result.colors.iter().all(|color| *color == Vec3::ONE) {
         result.colors.clear();
     }
-    (result, kept_influences)
+    (result, sources)
 }
 
 #[cfg(test)]
@@ -142,7 +206,7 @@ mod tests {
     use crate::builtin::shapes;
 
     fn raw(mesh: Mesh) -> RawMesh {
-        let Mesh { positions, normals, colors, texture_coordinates, textures, triangles } = mesh;
+        let Mesh { positions, normals, colors, texture_coordinates, textures, triangles, .. } = mesh;
         RawMesh { positions, normals, colors, texture_coordinates, textures, triangles, ..RawMesh::default() }
     }
 

@@ -14,8 +14,10 @@ pub const EXTENSIONS: &[&str] = &["obj", "ply", "gltf", "glb"];
 ///
 /// All objects of the file become one mesh. Polygons are cut into fans of triangles, which suits convex ones. The mesh
 /// is repaired as [`super::repaired`] says, unused vertices go, and vertices equal in everything become one. Normals are
-/// the file's, made unit length; where a file has none or has useless ones, [`super::smooth_normals`] fill in. Of
-/// materials a glTF's base colour is read, factor and texture; an OBJ's material library is not.
+/// the file's, made unit length; where a file has none or has useless ones, [`super::smooth_normals`] fill in, except that
+/// a glTF's primitives without normals are flat. Of materials a glTF's base colour is read, factor and texture, and what
+/// alpha masks cut out; an OBJ's material library is not. A glTF's meshes stand where nodes or, if they have skins, joints
+/// put them, with the morph targets' weights that the document gives.
 ///
 /// Nothing is returned of a file that is damaged anywhere: no part of a mesh passes for the whole.
 pub fn load(path: &Path) -> Result<Mesh, SceneError> {
@@ -58,13 +60,13 @@ impl fmt::Display for Animation {
     }
 }
 
-/// Reads a glTF or GLB file with the skins of its meshes, deformed by one of its animations.
+/// Reads a glTF or GLB file with the skins and morph targets of its meshes, deformed by one of its animations.
 ///
 /// The mesh is as [`load`] says, except that what has a skin stands where the skin's first joint puts it at rest: glTF
 /// ignores the place of the node that holds it. Of more than four joints of a vertex those with the largest weights
-/// count, and weights are made to add up to 1. Channels move nodes by translation, rotation and uniform scale; splines are
-/// sampled, 240 times per second or 64 times between two keys, whichever is fewer. Morph targets and scales that aren't
-/// uniform are errors.
+/// count, and weights are made to add up to 1. Channels move nodes by translation, rotation and uniform scale, and weights
+/// of morph targets; splines are sampled, 240 times per second or 64 times between two keys, whichever is fewer. Scales
+/// that aren't uniform are errors.
 ///
 /// An animation in which nothing moves is a pose: the mesh is returned in it, without a skin.
 pub fn load_animated(path: &Path, animation: &Animation) -> Result<(Mesh, Option<Skin>), SceneError> {
@@ -85,8 +87,8 @@ pub fn load_animated_with_notes(
         ));
     }
     let (raw, joints) = gltf::parse_animated(path, &bytes_of(path)?, animation).map_err(about)?;
-    let Assembled { mut mesh, influences, notes } = assemble(raw).map_err(about)?;
-    let skin = Skin { joints, influences };
+    let Assembled { mut mesh, influences, morphs, flat_triangles, notes } = assemble(raw).map_err(about)?;
+    let skin = Skin { joints, influences, morphs, flat_triangles };
     if skin.reach(&mesh) > f64::from(LARGEST_COORDINATE) {
         return Err(about(SceneError::new(format!(
             "animation {animation} moves the mesh too far out to compute with"

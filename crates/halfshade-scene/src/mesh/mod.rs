@@ -1,6 +1,7 @@
 //! Triangle meshes in object space: loading, welding, repair, normals.
 
 mod assemble;
+mod cutout;
 mod gltf;
 mod load;
 mod normals;
@@ -11,6 +12,7 @@ mod repair;
 mod topology;
 mod weld;
 
+pub use cutout::AlphaMask;
 pub use load::{Animation, EXTENSIONS, load, load_animated, load_animated_with_notes, load_with_notes};
 pub use normals::smooth_normals;
 pub use repair::repaired;
@@ -18,7 +20,7 @@ pub use topology::{Body, Topology};
 pub use weld::{Welded, weld};
 
 use crate::Texture;
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use std::sync::Arc;
 
 /// A triangle mesh with a normal per vertex.
@@ -39,6 +41,11 @@ pub struct Mesh {
     pub textures: Vec<Arc<Texture>>,
     /// Vertex indices of each triangle, each below `positions.len()`.
     pub triangles: Vec<[u32; 3]>,
+    /// What cuts holes into triangles; empty, or all that `coverage` names.
+    pub masks: Vec<AlphaMask>,
+    /// Alpha of vertices, in [0, 1], and the number of their mask, the same at the three corners of a triangle; a number
+    /// that masks don't have stands for none. Empty, or one per position.
+    pub coverage: Vec<Vec2>,
 }
 
 impl Mesh {

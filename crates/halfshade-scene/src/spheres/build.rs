@@ -206,7 +206,16 @@ impl SphereSet {
         progress: &dyn Progress,
     ) -> Result<(Self, CacheOutcome), SceneError> {
         // Without `..`: what a mesh gains must be thought of here. Only its shape counts.
-        let Mesh { positions, triangles, normals: _, colors: _, texture_coordinates: _, textures: _ } = mesh;
+        let Mesh {
+            positions,
+            triangles,
+            normals: _,
+            colors: _,
+            texture_coordinates: _,
+            textures: _,
+            masks: _,
+            coverage: _,
+        } = mesh;
         let key =
             CacheKey::new("spheres", VERSION).value(positions).value(triangles).value(&(count as u64)).value(options);
         cache.get_or_compute(&key, || Self::build(mesh, count, options, progress))

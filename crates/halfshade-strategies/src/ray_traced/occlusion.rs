@@ -1,6 +1,6 @@
 //! Shadow rays against the meshes of one frame.
 
-use crate::triangle_rays::TriangleRays;
+use crate::triangle_rays::{Holes, TriangleRays, holes_of};
 use glam::Vec3;
 use halfshade_scene::Frame;
 
@@ -15,12 +15,16 @@ pub(super) struct Occlusion {
 
 impl Occlusion {
     pub(super) fn new(frame: &Frame<'_>) -> Self {
-        let mut corners: Vec<[Vec3; 3]> = Vec::new();
+        let (mut corners, mut holes): (Vec<[Vec3; 3]>, Vec<Holes>) = (Vec::new(), Vec::new());
+        let has_holes = frame.scene.objects.iter().any(|object| object.mesh.has_cutouts());
         for (number, (object, pose)) in frame.scene.objects.iter().zip(&frame.world_from_object).enumerate() {
             let placed: Vec<Vec3> = frame.positions(number).iter().map(|&point| pose.transform_point(point)).collect();
             corners.extend(object.mesh.triangles.iter().map(|triangle| triangle.map(|vertex| placed[vertex as usize])));
+            if has_holes {
+                holes.extend(holes_of(&object.mesh));
+            }
         }
-        let rays = TriangleRays::new(corners);
+        let rays = TriangleRays::new(corners, holes);
         // Far from the origin world coordinates are coarse: positions that were rounded apart must not hide the sky.
         let lift = LIFT + 2.0 * rays.coarseness();
         Self { rays, lift }

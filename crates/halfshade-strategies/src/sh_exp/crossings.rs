@@ -101,12 +101,9 @@ impl Crossings {
         // Barycentric weights by Cramer's rule on origin + t·direction = a + v·ab + w·ac.
         let across = direction.cross(offset);
         let (v, w) = (-across.dot(ac) / facing, across.dot(ab) / facing);
-        (distance > 0.0 && v.min(w).min(1.0 - v - w) >= -EDGE).then(|| Crossing {
-            distance,
-            triangle,
-            weights: DVec3::new(1.0 - v - w, v, w),
-            leaves: facing > 0.0,
-        })
+        let weights = DVec3::new(1.0 - v - w, v, w);
+        let is_met = distance > 0.0 && weights.min_element() >= -EDGE && !self.mesh.is_cut_out(triangle, weights);
+        is_met.then_some(Crossing { distance, triangle, weights, leaves: facing > 0.0 })
     }
 }
 

@@ -116,7 +116,7 @@ mod tests {
     #[test]
     fn nothing_is_one_point() {
         let basis = sh::basis(4, 8);
-        let nothing = TriangleRays::new(Vec::new());
+        let nothing = TriangleRays::new(Vec::new(), Vec::new());
         let ball = Ball { center: Vec3::ZERO, radius: 1.0 };
         let grid = Grid { resolution: 4, samples: vec![basis.blocked_from(&nothing, Vec3::X, ball); 16] };
         assert_eq!(thinned(&basis, &grid, 1e-6).resolution, 1);

@@ -10,6 +10,7 @@ use super::{
 use halfshade_scene::{
     Cache, Mesh, Progress, Scene,
     cache::{CacheKey, CacheSource},
+    mesh::AlphaMask,
 };
 use halfshade_strategy::StrategyError;
 use serde::{Serialize, de::DeserializeOwned};
@@ -40,9 +41,16 @@ pub(super) enum Source {
 impl Baking<'_> {
     /// The key of what depends on a mesh alone.
     pub(super) fn key(&self, kind: &'static str, mesh: &Mesh) -> CacheKey {
-        // Without `..`: what a mesh gains must be thought of here. How it is coloured hides nothing.
-        let Mesh { positions, normals, triangles, colors: _, texture_coordinates: _, textures: _ } = mesh;
-        CacheKey::new(kind, VERSION).value(&(positions, triangles, normals))
+        // Without `..`: what a mesh gains must be thought of here. How it is coloured hides nothing, but for holes.
+        let Mesh { positions, normals, triangles, colors: _, texture_coordinates, textures: _, masks, coverage } = mesh;
+        let mut key = CacheKey::new(kind, VERSION).value(&(positions, triangles, normals));
+        if mesh.has_cutouts() {
+            key = key.value(&(coverage, texture_coordinates));
+        }
+        for AlphaMask { texture, cutoff } in masks {
+            key = key.value(&(texture.as_deref(), cutoff));
+        }
+        key
     }
 
     /// From the cache, or computed; what is read makes up for so many `steps` of progress.

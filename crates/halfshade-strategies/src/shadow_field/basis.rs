@@ -1,10 +1,11 @@
 //! What fields are made of: vectors of coefficients of a basis over directions.
 
 use super::shells::Grid;
-use crate::triangle_rays::TriangleRays;
+use crate::triangle_rays::{TriangleRays, holes_of};
 use glam::Vec3;
 use halfshade_scene::Mesh;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// Where an object lies in its own space: the ball that holds it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -97,5 +98,6 @@ pub(super) trait Shell: Sized + Send + Sync {
 /// The triangles of a mesh, in its own space.
 pub(super) fn rays(mesh: &Mesh) -> TriangleRays {
     let corners = mesh.triangles.iter().map(|corners| corners.map(|vertex| mesh.positions[vertex as usize]));
-    TriangleRays::new(corners.collect())
+    let holes = if mesh.has_cutouts() { holes_of(&Arc::new(mesh.clone())).collect() } else { Vec::new() };
+    TriangleRays::new(corners.collect(), holes)
 }

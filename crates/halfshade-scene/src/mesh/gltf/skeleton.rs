@@ -14,8 +14,8 @@
 //! Only nodes that the animation moves, and nodes above them, become joints: what stands still below them is folded into
 //! `joint_from_rest`, where it may be any affine map. Joints must be similarities, as a [`crate::Pose`] is.
 
-use super::numbers::{Whole, numbers};
-use super::track::{Tracks, pose_of};
+use super::accessor::{Whole, numbers};
+use super::track::{Tracks, Weights, pose_of, weights};
 use super::{Animation, Buffers};
 use crate::skin::INFLUENCES;
 use crate::{Joint, Motion, Pose, SceneError};
@@ -42,6 +42,8 @@ struct Place<'a> {
     /// From the node's space into that of `moved`.
     moved_from_node: DMat4,
     tracks: Option<Tracks>,
+    /// How the animation moves the weights of its mesh's morph targets.
+    weights: Vec<Weights>,
     /// Its number among the joints, once it is one.
     joint: Option<usize>,
 }
@@ -68,18 +70,33 @@ struct Binding {
 }
 
 impl<'a> Skeleton<'a> {
-    pub(super) fn new(document: &'a Document, buffers: &'a Buffers, animation: &Animation) -> Result<Self, SceneError> {
+    pub(super) fn new(
+        document: &'a Document,
+        buffers: &'a Buffers,
+        animation: Option<&Animation>,
+    ) -> Result<Self, SceneError> {
         let parents = parents(document)?;
         let mut places: Vec<Place<'a>> = (document.nodes().zip(parents))
             .map(|(node, parent)| {
-                let local = node.transform().matrix().map(|column| column.map(f64::from));
-                let parent_from_node = DMat4::from_cols_array_2d(&local);
+                let parent_from_node = world_from(&node, DMat4::IDENTITY);
                 let (world_from_node, moved_from_node) = (DMat4::IDENTITY, DMat4::IDENTITY);
-                let (moved, tracks, joint) = (None, None, None);
-                Place { node, parent, parent_from_node, world_from_node, moved, moved_from_node, tracks, joint }
+                let (moved, tracks, weights, joint) = (None, None, Vec::new(), None);
+                Place {
+                    node,
+                    parent,
+                    parent_from_node,
+                    world_from_node,
+                    moved,
+                    moved_from_node,
+                    tracks,
+                    weights,
+                    joint,
+                }
             })
             .collect();
-        read_tracks(document, buffers, animation, &mut places)?;
+        if let Some(animation) = animation {
+            read_tracks(document, buffers, animation, &mut places)?;
+        }
         for index in parents_first(&places)? {
             let above = places[index].parent.map(|parent| &places[parent]);
             let (world, moved, moved_from_parent) = above
@@ -104,10 +121,7 @@ impl<'a> Skeleton<'a> {
             let binding = match node.skin() {
                 Some(skin) => {
                     self.binding_of.insert(skin.index(), number);
-                    self.skin(&skin).map_err(|error| {
-                        let name = skin.name().map_or_else(|| skin.index().to_string(), |name| format!("`{name}`"));
-                        SceneError { problem: format!("skin {name}: {}", error.problem), ..error }
-                    })?
+                    self.skin(&skin).map_err(|error| about_skin(&skin, error))?
                 }
                 None => self.rigid(node.index())?,
             };
@@ -127,6 +141,54 @@ impl<'a> Skeleton<'a> {
             let joint = self.bindings[binding].joints.first().copied().flatten().unwrap_or(0);
             return Ok(vec![[(joint, 1.0), (0, 0.0), (0, 0.0), (0, 0.0)]; count]);
         }
+        let mut result = Vec::with_capacity(count);
+        for (vertex, mut list) in self.weights_of_joints(primitive, count)?.into_iter().enumerate() {
+            list.truncate(INFLUENCES);
+            let sum: f64 = list.iter().map(|(_, weight)| weight).sum();
+            let mut influences = [(0, 0.0); INFLUENCES];
+            for (slot, (joint, weight)) in influences.iter_mut().zip(list) {
+                *slot = (self.joint_of_skin(binding, vertex, joint)?, (weight / sum) as f32);
+            }
+            result.push(influences);
+        }
+        Ok(result)
+    }
+
+    /// Where the joints of a skin, as the document has them, take each vertex of a primitive.
+    pub(super) fn at_joints(
+        &self,
+        skin: &::gltf::Skin<'_>,
+        primitive: &Primitive<'_>,
+        count: usize,
+    ) -> Result<Vec<DMat4>, SceneError> {
+        let (nodes, inverse_binds) = self.joints_of(skin).map_err(|error| about_skin(skin, error))?;
+        let mut matrices: Vec<DMat4> = Vec::with_capacity(nodes.len());
+        for (node, inverse_bind) in nodes.iter().zip(&inverse_binds) {
+            let matrix = affine(self.places[*node].world_from_node * *inverse_bind).ok_or_else(|| {
+                let problem = format!("the inverse bind matrix of {} is not affine or not finite", self.label(*node));
+                about_skin(skin, SceneError::new(problem))
+            })?;
+            matrices.push(matrix);
+        }
+        let blended = |(vertex, list): (usize, Vec<(usize, f64)>)| {
+            let sum: f64 = list.iter().map(|(_, weight)| weight).sum();
+            let mut matrix = DMat4::ZERO;
+            for (joint, weight) in list {
+                let of_joint = matrices.get(joint).ok_or_else(|| no_such_joint(vertex, joint, matrices.len()))?;
+                matrix += *of_joint * (weight / sum);
+            }
+            Ok(matrix)
+        };
+        self.weights_of_joints(primitive, count)?.into_iter().enumerate().map(blended).collect()
+    }
+
+    /// How an animation moves the weights of a node's morph targets; empty where it doesn't.
+    pub(super) fn weights(&self, node: usize) -> &[Weights] {
+        &self.places[node].weights
+    }
+
+    /// Joints that move each vertex, and their weights, which are positive: the heaviest first, at least one.
+    fn weights_of_joints(&self, primitive: &Primitive<'_>, count: usize) -> Result<Vec<Vec<(usize, f64)>>, SceneError> {
         let mut of_vertices: Vec<Vec<(usize, f64)>> = vec![Vec::new(); count];
         for set in 0.. {
             let what = format!("JOINTS_{set} and WEIGHTS_{set}");
@@ -147,27 +209,19 @@ impl<'a> Skeleton<'a> {
                 list.extend(joints.into_iter().map(|joint| joint as usize).zip(weights));
             }
         }
-        let mut result = Vec::with_capacity(count);
-        for (vertex, mut list) in of_vertices.into_iter().enumerate() {
+        for (vertex, list) in of_vertices.iter_mut().enumerate() {
             if let Some((joint, weight)) = list.iter().find(|(_, weight)| *weight < 0.0) {
                 return Err(SceneError::new(format!("vertex {vertex} has the weight {weight} of joint {joint}")));
             }
             list.retain(|(_, weight)| *weight > 0.0);
             // Stable: of equal weights the first ones stay.
             list.sort_by(|a, b| b.1.total_cmp(&a.1));
-            list.truncate(INFLUENCES);
-            let sum: f64 = list.iter().map(|(_, weight)| weight).sum();
             if list.is_empty() {
                 return Err(SceneError::new(format!("vertex {vertex} hangs on no joint: its weights are all zero"))
                     .with_remedy("give every vertex a weight in the program that wrote the file"));
             }
-            let mut influences = [(0, 0.0); INFLUENCES];
-            for (slot, (joint, weight)) in influences.iter_mut().zip(list) {
-                *slot = (self.joint_of_skin(binding, vertex, joint)?, (weight / sum) as f32);
-            }
-            result.push(influences);
         }
-        Ok(result)
+        Ok(of_vertices)
     }
 
     /// Whether any mesh had a skin.
@@ -179,8 +233,8 @@ impl<'a> Skeleton<'a> {
         self.joints
     }
 
-    /// A skin as the document has it; joints are checked once they are used.
-    fn skin(&self, skin: &::gltf::Skin<'_>) -> Result<Binding, SceneError> {
+    /// Nodes and inverse bind matrices of the joints of a skin.
+    fn joints_of(&self, skin: &::gltf::Skin<'_>) -> Result<(Vec<usize>, Vec<DMat4>), SceneError> {
         let nodes: Vec<usize> = skin.joints().map(|node| node.index()).collect();
         let inverse_binds: Vec<DMat4> = match skin.inverse_bind_matrices() {
             Some(accessor) => numbers::<16>(&accessor, self.buffers, Dimensions::Mat4, Whole::Refused)?
@@ -193,6 +247,12 @@ impl<'a> Skeleton<'a> {
             let (found, count) = (inverse_binds.len(), nodes.len());
             return Err(SceneError::new(format!("{found} inverse bind matrices for {count} joints")));
         }
+        Ok((nodes, inverse_binds))
+    }
+
+    /// A skin as the document has it; joints are checked once they are used.
+    fn skin(&self, skin: &::gltf::Skin<'_>) -> Result<Binding, SceneError> {
+        let (nodes, inverse_binds) = self.joints_of(skin)?;
         let (Some(first), Some(inverse_bind)) = (nodes.first(), inverse_binds.first()) else {
             return Err(SceneError::new("it has no joints"));
         };
@@ -225,8 +285,7 @@ impl<'a> Skeleton<'a> {
     fn joint_of_skin(&mut self, binding: usize, vertex: usize, joint: usize) -> Result<u16, SceneError> {
         let Binding { nodes, joints, .. } = &self.bindings[binding];
         let Some(&(node, node_from_rest)) = nodes.get(joint) else {
-            let count = nodes.len();
-            return Err(SceneError::new(format!("vertex {vertex} names joint {joint}, but the skin has only {count}")));
+            return Err(no_such_joint(vertex, joint, nodes.len()));
         };
         if let Some(known) = joints[joint] {
             return Ok(known);
@@ -308,6 +367,21 @@ impl<'a> Skeleton<'a> {
     fn about(&self, node: usize, error: SceneError) -> SceneError {
         SceneError { problem: format!("{}: {}", self.label(node), error.problem), ..error }
     }
+}
+
+/// The place of a node's space in the world, or wherever its parent's is given.
+pub(super) fn world_from(node: &Node<'_>, world_from_parent: DMat4) -> DMat4 {
+    let local = node.transform().matrix().map(|column| column.map(f64::from));
+    world_from_parent * DMat4::from_cols_array_2d(&local)
+}
+
+fn no_such_joint(vertex: usize, joint: usize, count: usize) -> SceneError {
+    SceneError::new(format!("vertex {vertex} names joint {joint}, but the skin has only {count}"))
+}
+
+fn about_skin(skin: &::gltf::Skin<'_>, error: SceneError) -> SceneError {
+    let name = skin.name().map_or_else(|| skin.index().to_string(), |name| format!("`{name}`"));
+    SceneError { problem: format!("skin {name}: {}", error.problem), ..error }
 }
 
 fn label(node: &Node<'_>) -> String {
@@ -411,11 +485,18 @@ fn read_tracks(
             return Err(about(format!("node {} is named, but doesn't exist", json.target.node.value())));
         };
         match json.target.path {
-            Checked::Valid(Property::MorphTargetWeights) if place.node.mesh().is_some() => {
-                return Err(about(format!("{} moves by morph targets, which is not supported", label(&place.node)))
-                    .with_remedy("export without them, or choose an animation of joints alone"));
+            Checked::Valid(Property::MorphTargetWeights) => {
+                let targets = |mesh: ::gltf::Mesh<'_>| mesh.primitives().map(|p| p.morph_targets().len()).max();
+                let Some(count) = place.node.mesh().and_then(targets) else { continue };
+                if count == 0 {
+                    return Err(about(format!("{}: its mesh has no morph targets to move", label(&place.node))));
+                }
+                if !place.weights.is_empty() {
+                    return Err(about(format!("{}: two channels move its weights", label(&place.node))));
+                }
+                place.weights = weights(&channel.sampler(), buffers, count)
+                    .map_err(|error| about(format!("{}: {}", label(&place.node), error.problem)))?;
             }
-            Checked::Valid(Property::MorphTargetWeights) => {}
             Checked::Valid(property) => {
                 let tracks = place.tracks.get_or_insert_default();
                 tracks.add(property, &channel.sampler(), buffers).map_err(|error| SceneError {

@@ -8,7 +8,7 @@
 //! - `CUBICSPLINE` is cut into pieces of [`PIECE_SECS`], at most [`MOST_PIECES`] between two keys, straight in between.
 
 use super::Buffers;
-use super::numbers::{Whole, numbers};
+use super::accessor::{Whole, numbers};
 use crate::{Motion, Pose, SceneError};
 use ::gltf::accessor::Dimensions;
 use ::gltf::animation::{Interpolation, Property, Sampler};
@@ -34,6 +34,23 @@ struct Track {
     values: Vec<DVec4>,
     interpolation: Interpolation,
     property: Property,
+}
+
+/// The weight of a morph target over time: keys, between which it is linear.
+pub(super) type Weights = Vec<(f64, f32)>;
+
+/// The weights of the `count` morph targets of a mesh, as a channel moves them.
+pub(super) fn weights(sampler: &Sampler<'_>, buffers: &Buffers, count: usize) -> Result<Vec<Weights>, SceneError> {
+    let output = numbers::<1>(&sampler.output(), buffers, Dimensions::Scalar, Whole::Fraction)?;
+    (0..count)
+        .map(|target| {
+            let values = output.iter().skip(target).step_by(count).map(|[weight]| DVec4::splat(*weight)).collect();
+            let track = Track::new(Property::MorphTargetWeights, sampler, buffers, values)?;
+            let mut times = track.times_of_keys();
+            times.dedup();
+            Ok(times.into_iter().map(|time| (time, track.at(time).x as f32)).collect())
+        })
+        .collect()
 }
 
 /// How an animation moves a node; what it doesn't move stays as the node says.
@@ -92,16 +109,25 @@ impl Tracks {
 
 impl Track {
     fn read(property: Property, sampler: &Sampler<'_>, buffers: &Buffers) -> Result<Self, SceneError> {
-        let times = numbers::<1>(&sampler.input(), buffers, Dimensions::Scalar, Whole::Refused)?;
-        let times: Vec<f64> = times.into_iter().map(|[time]| time).collect();
         let output = sampler.output();
-        let is_rotation = property == Property::Rotation;
-        let values: Vec<DVec4> = if is_rotation {
+        let values: Vec<DVec4> = if property == Property::Rotation {
             numbers::<4>(&output, buffers, Dimensions::Vec4, Whole::Fraction)?.into_iter().map(DVec4::from).collect()
         } else {
             let places = numbers::<3>(&output, buffers, Dimensions::Vec3, Whole::Refused)?;
             places.into_iter().map(|place| DVec3::from(place).extend(0.0)).collect()
         };
+        Self::new(property, sampler, buffers, values)
+    }
+
+    /// A track of these values at the times of a sampler.
+    fn new(
+        property: Property,
+        sampler: &Sampler<'_>,
+        buffers: &Buffers,
+        values: Vec<DVec4>,
+    ) -> Result<Self, SceneError> {
+        let times = numbers::<1>(&sampler.input(), buffers, Dimensions::Scalar, Whole::Refused)?;
+        let times: Vec<f64> = times.into_iter().map(|[time]| time).collect();
         let interpolation = sampler.interpolation();
         let per_key = if interpolation == Interpolation::CubicSpline { 3 } else { 1 };
         if times.is_empty() {
@@ -118,7 +144,8 @@ impl Track {
             return Err(SceneError::new(format!("key {} of a channel is not later than the one before", later + 1)));
         }
         let track = Self { times, values, interpolation, property };
-        if is_rotation && (0..track.times.len()).any(|key| track.value(key).length_squared() < 1e-12) {
+        if property == Property::Rotation && (0..track.times.len()).any(|key| track.value(key).length_squared() < 1e-12)
+        {
             return Err(SceneError::new("a rotation is the zero quaternion"));
         }
         Ok(track)

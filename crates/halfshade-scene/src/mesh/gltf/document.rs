@@ -1,0 +1,181 @@
+//! From the bytes of a file to a checked document and its buffers.
+//!
+//! The crate's validation takes some things for granted, which are looked at here first, and refuses others that do no
+//! harm, which are mended here: bounds of positions that are missing, and accessors without data, which glTF says are zero.
+
+use super::extensions;
+use super::uri;
+use crate::SceneError;
+use ::gltf::json::{Index, Root, Value, accessor, deserialize, validation::Checked};
+use ::gltf::{Document, Glb, Semantic, buffer};
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+
+/// The bytes that a document speaks of.
+pub(super) struct Buffers {
+    /// Where files are that the document names.
+    pub(super) folder: PathBuf,
+    data: Vec<Vec<u8>>,
+    /// Accessors that have no data: all zero.
+    zeros: HashSet<usize>,
+    /// Whether whole numbers may be themselves where glTF by itself has fractions: KHR_mesh_quantization.
+    pub(super) is_quantized: bool,
+}
+
+impl Buffers {
+    /// The part of a buffer that a view names; `None` if it lies beyond.
+    pub(super) fn view(&self, view: &buffer::View<'_>) -> Option<&[u8]> {
+        let data = self.data.get(view.buffer().index())?;
+        data.get(view.offset()..view.offset().checked_add(view.length())?)
+    }
+
+    /// Whether an accessor has no data of its own.
+    pub(super) fn is_zero(&self, accessor: usize) -> bool {
+        self.zeros.contains(&accessor)
+    }
+}
+
+/// The document in a file, its buffers, and what of it isn't read, for people.
+pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<(Document, Buffers, Vec<String>), SceneError> {
+    let (text, blob) = parts(bytes)?;
+    let mut json = parse(&text, blob.is_none())?;
+    let notes = extensions::check(&json)?;
+    let is_quantized = json.extensions_used.iter().any(|name| name == "KHR_mesh_quantization");
+    check_positions(&json)?;
+    let zeros = complete(&mut json);
+    json.extensions_required.clear();
+    let document = Document::from_json(json).map_err(|error| no_gltf(&error))?;
+    let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+    let data = document.buffers().map(|b| buffer(&b, &folder, blob.as_deref())).collect::<Result<_, _>>()?;
+    Ok((document, Buffers { folder, data, zeros, is_quantized }, notes))
+}
+
+fn no_gltf(error: &::gltf::Error) -> SceneError {
+    SceneError::new(format!("this is no valid glTF: {error}")).with_remedy("export it again, or run a glTF validator")
+}
+
+/// The JSON text and, of a GLB, the binary chunk, which may be empty.
+fn parts(bytes: &[u8]) -> Result<(Vec<u8>, Option<Vec<u8>>), SceneError> {
+    if !bytes.starts_with(b"glTF") {
+        return Ok((bytes.to_vec(), None));
+    }
+    let number = |at: usize| bytes.get(at..at + 4).and_then(|b| b.try_into().ok()).map(u32::from_le_bytes);
+    if let Some(version) = number(4).filter(|version| *version != 2) {
+        return Err(other_version(&format!("{version} (binary)")));
+    }
+    match number(8) {
+        Some(length) if length >= 20 && length as usize <= bytes.len() => {}
+        Some(length) => {
+            let problem = format!("{length} bytes are declared, but the file has {}", bytes.len());
+            return Err(SceneError::new(problem).with_remedy("the file was cut short or damaged: get it again"));
+        }
+        None => {
+            return Err(SceneError::new("the file ends within its header").with_remedy("get it again"));
+        }
+    }
+    let glb = Glb::from_slice(bytes).map_err(|error| no_gltf(&error))?;
+    Ok((glb.json.into_owned(), Some(glb.bin.map_or_else(Vec::new, std::borrow::Cow::into_owned))))
+}
+
+/// The JSON document. A byte-order mark before it, and the zeros with which some programs fill up a chunk, are left out.
+fn parse(text: &[u8], has_lines: bool) -> Result<Root, SceneError> {
+    if text.starts_with(b"\xff\xfe") || text.starts_with(b"\xfe\xff") {
+        return Err(SceneError::new("the text is encoded as UTF-16").with_remedy("save it as UTF-8"));
+    }
+    let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
+    let end = text.iter().rposition(|byte| *byte != 0).map_or(0, |last| last + 1);
+    let text = &text[..end];
+    match deserialize::from_slice::<Root>(text) {
+        Ok(root) if is_version_2(&root.asset.version) && root.asset.min_version.as_deref().is_none_or(is_version_2) => {
+            Ok(root)
+        }
+        Ok(root) => Err(other_version(root.asset.min_version.as_ref().unwrap_or(&root.asset.version))),
+        Err(error) => {
+            // Other versions have other keys, so that the version is what is wrong with them.
+            let whole: Option<Value> = deserialize::from_slice(text).ok();
+            let version = whole.as_ref().and_then(|value| value.get("asset")?.get("version")?.as_str());
+            match version {
+                Some(version) if !is_version_2(version) => Err(other_version(version)),
+                _ => {
+                    let line = error.line();
+                    let error = no_gltf(&::gltf::Error::Deserialize(error));
+                    Err(if has_lines && line > 0 { error.at_line(line) } else { error })
+                }
+            }
+        }
+    }
+}
+
+/// Whether this is 2.0, or a later version that is compatible with it.
+fn is_version_2(version: &str) -> bool {
+    version == "2" || version.starts_with("2.")
+}
+
+fn other_version(version: &str) -> SceneError {
+    SceneError::new(format!("this is glTF {version}, and only glTF 2.0 is read"))
+        .with_remedy("convert it to glTF 2.0, or export it again")
+}
+
+/// Positions must name an accessor that exists: the crate's validation takes it for granted.
+fn check_positions(json: &Root) -> Result<(), SceneError> {
+    let primitives = json.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    let mut accessors =
+        primitives.filter_map(|primitive| primitive.attributes.get(&Checked::Valid(Semantic::Positions)));
+    match accessors.find(|accessor| accessor.value() >= json.accessors.len()) {
+        Some(accessor) => Err(SceneError::new(format!("accessor {} is named, but doesn't exist", accessor.value()))),
+        None => Ok(()),
+    }
+}
+
+/// Fills in what the crate wants and nobody reads; returns the accessors that have no data.
+fn complete(json: &mut Root) -> HashSet<usize> {
+    let mut zeros = HashSet::new();
+    let has_views = !json.buffer_views.is_empty();
+    for (number, accessor) in json.accessors.iter_mut().enumerate() {
+        if accessor.type_ == Checked::Valid(accessor::Type::Vec3) {
+            for bound in [&mut accessor.min, &mut accessor.max] {
+                bound.get_or_insert_with(|| Value::from(vec![0.0; 3]));
+            }
+        }
+        if accessor.buffer_view.is_none() {
+            zeros.insert(number);
+            if has_views && accessor.sparse.is_none() {
+                accessor.buffer_view = Some(Index::new(0));
+            }
+        }
+    }
+    zeros
+}
+
+/// The bytes of a buffer, as many as it declares.
+fn buffer(buffer: &::gltf::Buffer<'_>, folder: &Path, blob: Option<&[u8]>) -> Result<Vec<u8>, SceneError> {
+    let (label, data) = match buffer.source() {
+        buffer::Source::Uri(uri) => {
+            let label = format!("buffer {} ({})", buffer.index(), uri::label(uri));
+            let data = uri::bytes(uri, folder).map_err(|error| SceneError {
+                problem: format!("{label} cannot be read: {}", error.problem),
+                ..error
+            })?;
+            (label, data)
+        }
+        buffer::Source::Bin => {
+            let label = format!("buffer {}", buffer.index());
+            let Some(blob) = blob.filter(|_| buffer.index() == 0) else {
+                let compressed = extensions::COMPRESSIONS.iter().find(|name| buffer.extension_value(name).is_some());
+                return Err(compressed.map_or_else(
+                    || {
+                        SceneError::new(format!("{label} has no data: it names no file, and no binary chunk holds it"))
+                            .with_remedy("export again, as .glb or with the buffers beside the .gltf file")
+                    },
+                    |name| extensions::compressed(name),
+                ));
+            };
+            (label, blob.to_vec())
+        }
+    };
+    if data.len() < buffer.length() {
+        let problem = format!("{label} has {} bytes, but {} are declared", data.len(), buffer.length());
+        return Err(SceneError::new(problem).with_remedy("it was cut short or belongs to another file: get it again"));
+    }
+    Ok(data)
+}
