@@ -43,7 +43,10 @@ pub fn file_name(name: &str) -> String {
             break;
         }
     }
-    let readable = readable.trim_end_matches('-');
+    let readable = match readable.trim_end_matches('-') {
+        "" => "_",
+        readable => readable,
+    };
     format!("{readable}{MARK}{}", &blake3::hash(name.as_bytes()).to_hex()[..DIGITS])
 }
 

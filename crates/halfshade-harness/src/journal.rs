@@ -337,9 +337,9 @@ mod tests {
                         let mut lines: Vec<&[u8]> = bytes.split_inclusive(|&byte| byte == b'\n').collect();
                         let (a, b) = (random(lines.len()), random(lines.len()));
                         if random(2) == 0 {
-                            lines.swap(a, b)
+                            lines.swap(a, b);
                         } else {
-                            drop(lines.remove(a))
+                            lines.remove(a);
                         }
                         bytes = lines.concat();
                     }
