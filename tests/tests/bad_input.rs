@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{folder, halfshade, names, refused};
+use common::{folder, halfshade, names, refused, stdout};
 use std::fs;
 
 const TRIANGLES: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
@@ -98,4 +98,47 @@ fn scene_files_with_mistakes_name_file_and_line() {
     fs::write(here.path().join("good.toml"), sound).expect("written");
     let arguments = ["truth", "good.toml", "--resolution", "4x4", "--samples", "16", "-o", "t.exr"];
     halfshade(here.path()).args(arguments).assert().success();
+}
+
+#[test]
+fn light_beyond_single_precision_is_refused_and_dim_or_no_light_is_measured() {
+    let here = folder();
+    let experiment = "name = \"e\"\nclaim = \"none\"\n[truth]\nsamples = 16\n[pictures]\n[[scene]]\nname = \"scene.toml\"\n\
+                      [[strategy]]\nname = \"unshadowed\"\n[[strategy]]\nname = \"ray-traced\"\n";
+    fs::write(here.path().join("e.toml"), experiment).expect("written");
+    let scene = |light: &str| {
+        let text = format!(
+            "name = \"a|b <i>c</i>\"\n[[object]]\nshape = \"box\"\nspheres = 1\n[environment]\nconstant = [{light}, {light}, {light}]\n\
+             [camera]\neye = [0, 2, 4]\ntarget = [0, 0, 0]\nresolution = [12, 12]\n"
+        );
+        fs::write(here.path().join("scene.toml"), text).expect("written");
+    };
+    for (light, word) in [("3e38", "not finite"), ("1e-42", "too dim")] {
+        scene(light);
+        let run = refused(halfshade(here.path()).args(["run", "e.toml", "--out", "out"]));
+        let truth = refused(halfshade(here.path()).args(["truth", "scene.toml", "-o", "t.exr"]));
+        for error in [run, truth] {
+            let named =
+                ["scene `a|b <i>c</i>`", "frame 0", "values of the truth", word].map(|part| error.contains(part));
+            assert_eq!(named, [true; 4], "{light}: {error}");
+        }
+        assert!(!here.path().join("out/results.json").exists() && !here.path().join("t.exr").exists());
+    }
+    for (light, relative) in [("1e36", true), ("1e-30", true), ("0", false)] {
+        scene(light);
+        let table = stdout(halfshade(here.path()).args(["run", "e.toml", "--out", light]));
+        assert!(table.contains("### a\\|b \\<i>c\\</i>, frame 0"), "{table}");
+        let path = here.path().join(light).join("results.json");
+        let json: serde_json::Value = serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap();
+        let error = &json["runs"][0]["error"];
+        for key in ["rmse", "bias", "mae", "p95", "p99", "max", "rmse_noise", "max_noise", "ssim"] {
+            assert!(error[key].is_number(), "{light}: {key} in {error}");
+        }
+        assert_eq!(error["rel_rmse"].is_number(), relative, "{light}: {error}");
+        assert!(json["pictures"].as_array().unwrap().iter().all(|picture| picture["exposure"].is_number()));
+        for format in ["md", "csv", "latex", "html"] {
+            let report = stdout(halfshade(here.path()).args(["report", light, "--format", format]));
+            assert!(!report.contains("NaN") && !report.contains("inf,"), "{light}: {report}");
+        }
+    }
 }

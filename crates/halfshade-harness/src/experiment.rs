@@ -6,6 +6,8 @@
 //! frames = [0]                       # default [0]; a scene may have its own
 //! receivers = ["vertices"]           # and/or "pixels"; default vertices
 //! references = ["mesh", "spheres", "bands"]   # default ["mesh"]; see `ReferenceKind`
+//! weights = "area"                   # vertices count by the area around them; or "equal": all alike. Default area
+//! classes = true                     # error by class of what hides the light at a receiver; default true
 //! details = true                     # also what only one strategy tells, such as the resolution it chose; default false
 //! compare = [["A", "B"]]             # pairs of SPECs that are compared with each other too; default none
 //!
@@ -40,7 +42,7 @@
 //! bands = [2, 3, 4]
 //! ```
 
-use crate::{HarnessError, file_names::is_folder_name, machine::MAX_THREADS};
+use crate::{HarnessError, Weighting, file_names::is_folder_name, machine::MAX_THREADS};
 use halfshade_scene::{camera::check_resolution, file::MAX_SPHERES};
 use halfshade_truth::MAX_SAMPLES;
 use serde::{Deserialize, Deserializer, Serialize, de::Error as _};
@@ -71,6 +73,12 @@ pub struct Experiment {
     /// What strategies are compared with.
     #[serde(default = "mesh_only", deserialize_with = "distinct")]
     pub references: Vec<ReferenceKind>,
+    /// What vertices count by.
+    #[serde(default = "area")]
+    pub weights: Weighting,
+    /// Whether errors are told by class of what hides the light at a receiver.
+    #[serde(default = "yes")]
+    pub classes: bool,
     /// Whether strategies are asked for figures that only they have.
     #[serde(default)]
     pub details: bool,
@@ -341,6 +349,14 @@ fn mesh_only() -> Vec<ReferenceKind> {
     vec![ReferenceKind::Mesh]
 }
 
+fn area() -> Weighting {
+    Weighting::Area
+}
+
+fn yes() -> bool {
+    true
+}
+
 fn one() -> u32 {
     1
 }
@@ -414,7 +430,7 @@ pub(crate) mod tests {
         assert_eq!(experiment.frames, [0]);
         assert_eq!(experiment.receivers, [ReceiverKind::Vertices]);
         assert_eq!(experiment.references, [ReferenceKind::Mesh]);
-        assert_eq!(experiment.truth.seed, 1);
+        assert_eq!((experiment.truth.seed, experiment.weights, experiment.classes), (1, Weighting::Area, true));
         assert!(experiment.timing.is_none() && experiment.pictures.is_none());
     }
 
@@ -428,6 +444,8 @@ pub(crate) mod tests {
         assert!(reference.starts_with("e.toml:3: ") && reference.contains("known: mesh, spheres"), "{reference}");
         let syntax = error("name = \n");
         assert!(syntax.starts_with("e.toml:1: "), "{syntax}");
+        let weights = error(&SMALL.replace("[truth]", "weights = \"mass\"\n[truth]"));
+        assert!(weights.starts_with("e.toml:3: ") && weights.contains("`area` or `equal`"), "{weights}");
         assert!(error(&SMALL.replace("samples = 8", "")).contains("either `samples` or `relative_noise`"));
         for samples in ["samples = 4000000000", "samples = 4e9", "relative_noise = 0", "relative_noise = nan"] {
             let absurd = error(&SMALL.replace("samples = 8", samples));

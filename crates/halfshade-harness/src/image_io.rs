@@ -26,14 +26,15 @@ impl Picture {
 
     /// `self` − `other`, pixel by pixel.
     pub fn minus(&self, other: &Self) -> Self {
-        let pixels = self.pixels.iter().zip(&other.pixels).map(|(a, b)| *a - *b).collect();
-        Self { pixels, ..*self }
+        let largest = Vec3::splat(f32::MAX);
+        let difference = |(a, b): (&Vec3, &Vec3)| (*a - *b).clamp(-largest, largest);
+        Self { pixels: self.pixels.iter().zip(&other.pixels).map(difference).collect(), ..*self }
     }
 
     /// `factor` times the size of each pixel's difference to `other`.
     pub fn magnified_difference(&self, other: &Self, factor: f32) -> Self {
         let mut difference = self.minus(other);
-        difference.pixels.iter_mut().for_each(|pixel| *pixel = factor * pixel.abs());
+        difference.pixels.iter_mut().for_each(|pixel| *pixel = (factor * pixel.abs()).min(Vec3::splat(f32::MAX)));
         difference
     }
 
@@ -50,7 +51,7 @@ impl Picture {
         let mut lit: Vec<f64> =
             self.pixels.iter().map(|p| f64::from(p.max_element())).filter(|v| *v > 0.0 && v.is_finite()).collect();
         lit.sort_by(f64::total_cmp);
-        crate::statistics::percentile(&lit, 0.98).map_or(1.0, |value| (0.9 / value) as f32)
+        crate::statistics::percentile(&lit, 0.98).map_or(1.0, |value| (0.9 / value).min(f64::from(f32::MAX)) as f32)
     }
 }
 
@@ -153,6 +154,17 @@ mod tests {
         picture.pixels[0] = Vec3::splat(1e6);
         assert!((picture.exposure() - 0.45).abs() < 1e-6);
         assert_eq!(Picture::filled(2, 2, Vec3::ZERO).exposure(), 1.0);
+    }
+
+    #[test]
+    fn pictures_stay_finite_at_the_extremes() {
+        let (dim, bright) = (Picture::filled(2, 2, Vec3::splat(1e-42)), Picture::filled(2, 2, Vec3::splat(3e38)));
+        assert!(dim.exposure().is_finite() && bright.exposure() > 0.0);
+        assert!((f32::from(bright.to_srgb(bright.exposure()).get_pixel(0, 0).0[0]) - 243.0).abs() < 2.0);
+        let negative = Picture::filled(2, 2, Vec3::splat(-3e38));
+        for picture in [bright.minus(&negative), negative.minus(&bright), bright.magnified_difference(&dim, 10.0)] {
+            assert!(picture.pixels.iter().all(|pixel| pixel.is_finite()));
+        }
     }
 
     #[test]

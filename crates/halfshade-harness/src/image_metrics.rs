@@ -1,10 +1,10 @@
 //! Similarity of pictures as people would judge them, on the exposed 8-bit sRGB pictures.
 //!
-//! SSIM through the crate image-compare: mean structural similarity over 8×8 windows, the worst of the three channels; 1
-//! is identical. FLIP through the crate nv-flip (\[Andersson2020\], at its default distance of 67 pixels per degree), the
-//! mean over pixels; 0 is identical. That crate wraps C++: it is there with the feature `flip` only.
+//! SSIM [Wang2004] by our own `ssim.rs`: 1 is identical; not defined for pictures of fewer than 11 pixels either way. FLIP
+//! through the crate nv-flip (\[Andersson2020\], at its default distance of 67 pixels per degree), the mean over pixels; 0
+//! is identical. That crate wraps C++: it is there with the feature `flip` only.
 
-use crate::image_io::Picture;
+use crate::{image_io::Picture, ssim::structural_similarity};
 use serde::{Deserialize, Serialize};
 
 /// How like the truth a picture looks; nothing where it isn't defined or wasn't computed.
@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 pub struct Similarity {
     /// Mean FLIP error, from 0 (identical) to 1; computed with the feature `flip` only.
     pub flip: Option<f64>,
-    /// Mean structural similarity, 1 if identical.
+    /// Mean structural similarity, from -1 to 1 (identical); nothing for pictures smaller than its window.
     pub ssim: Option<f64>,
 }
 
@@ -23,10 +23,7 @@ impl Similarity {
         if shown.dimensions() != expected.dimensions() {
             return Self::default();
         }
-        let ssim = image_compare::rgb_similarity_structure(&image_compare::Algorithm::MSSIMSimple, &shown, &expected)
-            .ok()
-            .map(|similarity| similarity.score)
-            .filter(|score| score.is_finite());
+        let ssim = structural_similarity(&shown, &expected);
         Self { flip: flip(&shown, &expected), ssim }
     }
 }

@@ -176,6 +176,11 @@ impl Journal {
 
     /// Adds one fact.
     pub fn append(&mut self, entry: &Entry) -> Result<(), HarnessError> {
+        if let Entry::Scored(runs) = entry
+            && let Some((run, figure)) = runs.iter().find_map(|run| Some((run, run.not_finite()?)))
+        {
+            return Err(HarnessError::in_file(&self.path, format!("{figure} of {} is not finite", run.key())));
+        }
         self.append_line(entry)
     }
 

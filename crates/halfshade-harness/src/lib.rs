@@ -3,6 +3,7 @@
 //! The harness never names a strategy: whoever calls it hands in the list of all.
 
 pub mod check;
+pub mod classes;
 pub mod clock;
 pub mod error;
 pub mod experiment;
@@ -13,6 +14,7 @@ pub mod inputs;
 pub mod journal;
 pub mod machine;
 pub mod metrics;
+mod noise;
 pub mod out_folder;
 pub mod output;
 pub mod picture_colors;
@@ -28,12 +30,16 @@ pub mod run;
 pub mod scene_source;
 pub mod shading;
 pub mod sphere_fit;
+pub mod ssim;
 pub mod statistics;
 pub mod table;
 pub mod variant;
+pub mod weights;
 
 #[cfg(test)]
 mod toy;
+#[cfg(test)]
+mod traced;
 
 pub use clock::{Clock, SystemClock};
 pub use error::HarnessError;
@@ -42,3 +48,4 @@ pub use image_io::Picture;
 pub use metrics::{Metrics, Reference};
 pub use results::Results;
 pub use variant::Variant;
+pub use weights::{ReceiverWeights, Weighting};

@@ -1,7 +1,7 @@
 //! What an experiment comes down to: loaded scenes, and groups of runs that are measured together.
 
 use crate::{
-    Experiment, HarnessError, ReceiverKind, ReferenceKind, Variant,
+    Experiment, HarnessError, ReceiverKind, ReferenceKind, Variant, Weighting,
     experiment::{TimingSettings, View},
     file_names, inputs,
     reference::Accuracy,
@@ -59,6 +59,10 @@ pub struct Plan {
     pub references: Vec<ReferenceKind>,
     /// Every strategy with its parameters.
     pub variants: Vec<Variant>,
+    /// What vertices count by.
+    pub weights: Weighting,
+    /// Whether errors are told by class of what hides the light.
+    pub classes: bool,
     /// Whether strategies are asked for figures that only they have.
     pub details: bool,
     /// Places in `variants` of pairs that are compared with each other.
@@ -232,6 +236,8 @@ impl Plan {
             scenes,
             receivers: experiment.receivers.clone(),
             references,
+            weights: experiment.weights,
+            classes: experiment.classes,
             details: experiment.details,
             pairs,
             variants,

@@ -152,17 +152,18 @@ fn series(results: &Results, scene: &str, frame: usize, receivers: &str) -> Vec<
 
 /// Points that no other beats in both time and error, in the order of time.
 fn pareto_front(series: &[Series]) -> Vec<(f64, f64)> {
-    let mut points: Vec<(f64, f64)> =
-        series.iter().flat_map(|series| &series.points).map(|point| (point.frame_ms, point.error)).collect();
-    points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let mut points: Vec<&Point> = series.iter().flat_map(|series| &series.points).collect();
+    // Nothing is better than what the truth can't tell from none.
+    let rank = |point: &Point| if point.resolved { point.error } else { 0.0 };
+    points.sort_by(|a, b| a.frame_ms.total_cmp(&b.frame_ms).then(rank(a).total_cmp(&rank(b))));
     let mut best = f64::INFINITY;
-    points.retain(|(_, error)| {
-        *error < best && {
-            best = *error;
+    points.retain(|point| {
+        rank(point) < best && {
+            best = rank(point);
             true
         }
     });
-    points
+    points.iter().map(|point| (point.frame_ms, point.error)).collect()
 }
 
 /// The range of `values`, widened by a part of its decades on both sides.
@@ -373,9 +374,14 @@ mod tests {
             resolved: true,
             numbers: String::new(),
         };
+        let front = |points| {
+            pareto_front(&[Series { name: String::new(), numbers: String::new(), color: BLACK, mark: 0, points }])
+        };
         let points = vec![point(1.0, 0.5), point(2.0, 0.6), point(3.0, 0.1), point(3.0, 0.2), point(4.0, 0.1)];
-        let series = Series { name: String::new(), numbers: String::new(), color: BLACK, mark: 0, points };
-        assert_eq!(pareto_front(&[series]), [(1.0, 0.5), (3.0, 0.1)]);
+        assert_eq!(front(points), [(1.0, 0.5), (3.0, 0.1)]);
+        let unresolved = Point { resolved: false, ..point(2.0, 0.3) };
+        let slower = Point { frame_ms: 5.0, ..unresolved.clone() };
+        assert_eq!(front(vec![point(1.0, 0.5), unresolved, point(3.0, 0.2), slower]), [(1.0, 0.5), (2.0, 0.3)]);
     }
 
     #[test]

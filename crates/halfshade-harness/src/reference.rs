@@ -1,9 +1,13 @@
 //! References: the truth, and truths of simpler scenes that tell where an error comes from.
 
-use crate::{HarnessError, ReferenceKind, metrics::Reference, reference_key::key};
+use crate::{
+    HarnessError, ReferenceKind, metrics::Reference, reference_key::key, shading::count_not_finite,
+    weights::ReceiverWeights,
+};
 use halfshade_scene::{Environment, Progress, RadianceBuffer, Receivers, Scene, cache::Cache};
-use halfshade_truth::{Geometry, Options, Tracer, estimate};
+use halfshade_truth::{Geometry, Hider, Options, Tracer, estimate};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// Limits an environment to a number of bands of spherical harmonics. The harness knows no harmonics: its caller does.
 pub type BandLimit<'a> = dyn Fn(&Environment, usize) -> Environment + Sync + 'a;
@@ -24,8 +28,9 @@ pub struct Accuracy {
 struct Stored {
     radiance: [Vec<f32>; 3],
     standard_error: [Vec<f32>; 3],
+    draws: Vec<[Vec<f32>; 3]>,
+    unshadowed: Vec<f32>,
     samples: usize,
-    unshadowed_mean: f64,
 }
 
 /// What traces references.
@@ -42,13 +47,15 @@ pub struct ReferenceTracer<'a> {
 
 impl ReferenceTracer<'_> {
     /// Radiance of `receivers` at frame `index` of `scene` by the reference `kind`, and its samples per receiver.
-    /// `kind` is not [`ReferenceKind::OwnBands`]: that one depends on who asks.
+    /// `kind` is not [`ReferenceKind::OwnBands`]: that one depends on who asks. Refuses light that is too bright or too dim
+    /// for single precision.
     pub fn trace(
         &self,
         scene: &Scene,
         index: usize,
         receivers: Receivers<'_>,
         kind: ReferenceKind,
+        (weights, hiders): (Arc<ReceiverWeights>, Arc<[Hider]>),
     ) -> Result<(Reference, usize), HarnessError> {
         let limited;
         let lit = match kind {
@@ -77,15 +84,55 @@ impl ReferenceTracer<'_> {
             Ok(Stored {
                 radiance: estimate.radiance.channels,
                 standard_error: estimate.standard_error.channels,
+                draws: estimate.draws.into_iter().map(|draw| draw.channels).collect(),
+                unshadowed: estimate.unshadowed,
                 samples: estimate.samples,
-                unshadowed_mean: estimate.unshadowed_mean,
             })
         })?;
+        let buffer = |channels| RadianceBuffer { channels };
         let reference = Reference {
-            radiance: RadianceBuffer { channels: stored.radiance },
-            standard_error: RadianceBuffer { channels: stored.standard_error },
-            unshadowed_mean: stored.unshadowed_mean,
+            standard_error: buffer(stored.standard_error),
+            draws: stored.draws.into_iter().map(buffer).collect(),
+            hiders,
+            ..Reference::exact(
+                buffer(stored.radiance),
+                weights.mean(|i| stored.unshadowed.get(i).map_or(0.0, |&mean| f64::from(mean))),
+                weights,
+            )
         };
+        let place = format!("scene `{}`, frame {index}, reference `{kind}`", scene.name);
+        let values = [&reference.radiance, &reference.standard_error];
+        check_range(values, &reference.draws, reference.unshadowed_mean, &place)?;
         Ok((reference, stored.samples))
     }
 }
+
+/// Refuses a truth that no error can be measured against: values that are not finite, or light so dim that single
+/// precision cuts its digits off. `place` names scene and frame.
+pub fn check_range(
+    [radiance, standard_error]: [&RadianceBuffer; 2],
+    draws: &[RadianceBuffer],
+    unshadowed_mean: f64,
+    place: &str,
+) -> Result<(), HarnessError> {
+    let buffers = [radiance, standard_error].into_iter().chain(draws);
+    let broken = buffers.map(count_not_finite).max().unwrap_or(0);
+    let count = 3 * radiance.len();
+    if broken > 0 || !unshadowed_mean.is_finite() {
+        return Err(HarnessError::input(format!(
+            "{place}: {broken} of {count} values of the truth are not finite: the light is too bright for single precision; \
+             make it dimmer, say at most 1e36"
+        )));
+    }
+    let mean = unshadowed_mean.abs();
+    if mean > 0.0 && mean < LEAST_RADIANCE {
+        return Err(HarnessError::input(format!(
+            "{place}: the mean of {count} unshadowed values of the truth is {mean:.1e}, too dim for single precision, which \
+             cuts off digits below {LEAST_RADIANCE:.1e}; make the light brighter"
+        )));
+    }
+    Ok(())
+}
+
+/// Mean radiance that keeps seven digits in single precision down to a ten-thousandth of it.
+const LEAST_RADIANCE: f64 = 1e4 * f32::MIN_POSITIVE as f64;

@@ -10,7 +10,7 @@ use halfshade_scene::{
 use halfshade_truth::Options;
 
 /// Raise it whenever the meaning of what is cached changes.
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 
 /// The key of the truth of `receivers` at a frame.
 pub(crate) fn key(frame: &Frame<'_>, receivers: Receivers<'_>, options: &Options) -> CacheKey {

@@ -32,10 +32,11 @@ pub fn tables(results: &Results) -> Vec<Table> {
 
 /// Those that follow the first of a scene, as far as there is anything to tell.
 fn further_tables(results: &Results, scene: &str, frame: usize, receivers: &str) -> impl Iterator<Item = Table> {
+    let by_class = table::error_by_class(results, scene, frame, receivers);
     let split = table::error_split(results, scene, frame, receivers);
     let differences = table::differences(results, scene, frame, receivers);
     let details = table::details(results, scene, frame, receivers);
-    [split, differences, details].into_iter().flatten()
+    [by_class, split, differences, details].into_iter().flatten()
 }
 
 /// Writes bytes to a path below the results.
@@ -68,9 +69,11 @@ pub fn report(results: &Results, format: Format) -> String {
         Format::Csv => table::results_csv(results),
         Format::Latex => tables(results).iter().map(|table| table.write(format, &provenance) + "\n").collect(),
         Format::Markdown => {
-            let mut page = format!("# {}\n\n{}\n\n{provenance}.\n", results.experiment, results.claim);
+            let escape = table::markdown::escape;
+            let [name, claim, provenance] = [&results.experiment, &results.claim, &provenance].map(|text| escape(text));
+            let mut page = format!("# {name}\n\n{claim}\n\n{provenance}.\n");
             for (scene, frame, receivers) in table::groups(results) {
-                page += &format!("\n## {scene}, frame {frame}, {receivers}\n\n");
+                page += &format!("\n## {}, frame {frame}, {receivers}\n\n", escape(&scene));
                 page += &table::scene_table(results, &scene, frame, &receivers).write(format, &provenance);
                 if plot::error_against_time(results, &scene, frame, &receivers).is_some() {
                     page += &format!("\n![error against time]({}.svg)\n", file_names::plot(&scene, frame, &receivers));
@@ -127,7 +130,7 @@ fn pictures_markdown(results: &Results, scene: &str, frame: usize) -> String {
         String::from("\n| strategy | picture | error (blue: too dark, vermilion: too bright) |\n| --- | --- | --- |\n");
     for files in files {
         let error = files.error_png.as_ref().map(|path| format!("![error]({path})")).unwrap_or_default();
-        text += &format!("| {0} | ![{0}]({1}) | {error} |\n", files.label.replace('|', "\\|"), files.png);
+        text += &format!("| {0} | ![{0}]({1}) | {error} |\n", table::markdown::escape(&files.label), files.png);
     }
     let scale = crate::picture_colors::FULL_SCALE;
     text + &format!(
@@ -145,6 +148,34 @@ figure{margin:0}figure img{max-width:22rem;display:block}";
 mod tests {
     use super::*;
     use crate::results::tests::example;
+
+    #[test]
+    fn hostile_names_are_shown_and_not_obeyed() {
+        let mut results = example();
+        let name = crate::table::tests::HOSTILE;
+        results.runs.iter_mut().for_each(|run| run.scene = name.into());
+        results.scenes[0].name = name.into();
+        results.differences.iter_mut().for_each(|it| (it.scene, it.first) = (name.into(), name.into()));
+        results.pictures = vec![crate::results::PictureFiles {
+            scene: name.into(),
+            frame: 0,
+            label: name.into(),
+            exr: "a.exr".into(),
+            png: "a.png".into(),
+            error_png: None,
+            exposure: 1.0,
+        }];
+        let markdown = report(&results, Format::Markdown);
+        let shown = table::markdown::escape(name);
+        assert!(markdown.contains(&format!("\n## {shown}, frame 0, vertices\n")), "{markdown}");
+        assert!(markdown.contains(&format!("| {shown} | ![{shown}](a.png) |")), "{markdown}");
+        let html = report(&results, Format::Html);
+        assert!(!html.contains("<i>") && html.contains("&lt;i&gt;f"), "{html}");
+        assert!(!report(&results, Format::Latex).contains("<i>"));
+        let csv = report(&results, Format::Csv);
+        let record = csv::Reader::from_reader(csv.as_bytes()).records().next().unwrap().unwrap();
+        assert_eq!(&record[0], name);
+    }
 
     #[test]
     fn everything_is_written_and_can_be_written_again_from_what_is_stored() {

@@ -2,7 +2,10 @@
 //!
 //! Keys may be added, none is renamed; units stand in names. What was not measured is `null`.
 
-use crate::{HarnessError, Published, image_metrics::Similarity, metrics::Metrics, statistics::Spread};
+use crate::{
+    HarnessError, Published, ReceiverKind, classes::ClassError, image_metrics::Similarity, metrics::Metrics,
+    statistics::Spread, weights::Weighting,
+};
 use halfshade_scene::InputFile;
 use serde::{Deserialize, Serialize};
 use std::{collections::BTreeMap, path::Path};
@@ -160,9 +163,19 @@ pub struct ErrorFigures {
     /// Over receivers.
     #[serde(flatten)]
     pub metrics: Metrics,
+    /// What receivers count by; in results of older versions all count alike.
+    #[serde(default = "equal")]
+    pub weights: Weighting,
+    /// By class of what hides the light, if the experiment asks for it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub classes: Vec<ClassError>,
     /// Of the picture, where one was drawn: `flip` and `ssim`.
     #[serde(flatten)]
     pub similarity: Similarity,
+}
+
+fn equal() -> Weighting {
+    Weighting::Equal
 }
 
 /// What a run was compared with.
@@ -248,6 +261,35 @@ impl Run {
     }
 }
 
+impl Run {
+    /// The first of its figures that is not finite, by name.
+    pub fn not_finite(&self) -> Option<&'static str> {
+        let error = self.error.iter().flat_map(|error| {
+            let Similarity { flip, ssim } = error.similarity;
+            let of_classes = error
+                .classes
+                .iter()
+                .flat_map(|class| class.metrics.figures().into_iter().chain([("share", class.share)]));
+            error
+                .metrics
+                .figures()
+                .into_iter()
+                .chain(of_classes)
+                .chain([("flip", flip.unwrap_or(0.0)), ("ssim", ssim.unwrap_or(0.0))])
+        });
+        let truth = self.truth.iter().flat_map(|truth| {
+            [("rms_standard_error", truth.rms_standard_error), ("unshadowed_mean", truth.unshadowed_mean)]
+        });
+        let time = self.time.iter().flat_map(|time| {
+            let samples = time.samples.iter().map(|sample| ("time", sample.prepare_secs + sample.shade_secs));
+            samples.chain([("bake_secs", time.bake_secs), ("frames_per_sec", time.frames_per_sec.unwrap_or(0.0))])
+        });
+        let details = self.details.iter().flat_map(|detail| &detail.values).map(|value| ("details", *value));
+        let mut figures = error.chain(truth).chain(time).chain(details);
+        figures.find(|(_, value)| !value.is_finite()).map(|(name, _)| name)
+    }
+}
+
 impl TimeFigures {
     /// Figures of `samples`.
     pub fn of(bake_secs: f64, threads: usize, samples: Vec<Sample>) -> Self {
@@ -280,10 +322,35 @@ impl Results {
         Ok(results)
     }
 
-    /// As JSON, with a line break at the end.
+    /// The first number that is not finite, by its place.
+    fn not_finite(&self) -> Option<String> {
+        let published = self.scenes.iter().flat_map(|scene| &scene.published);
+        let published =
+            published.filter(|it| !it.frames_per_sec.is_finite()).map(|it| format!("published {}", it.method));
+        let runs = self.runs.iter().filter_map(|run| Some(format!("{} of {}", run.not_finite()?, run.key())));
+        let differences = self.differences.iter().filter_map(|it| {
+            let figures = [it.mean, it.bias, it.mae, it.max];
+            (!figures.iter().all(|it| it.is_finite()))
+                .then(|| format!("the difference of {} and {}", it.first, it.second))
+        });
+        let pictures =
+            self.pictures.iter().filter(|it| !it.exposure.is_finite()).map(|it| format!("exposure of {}", it.png));
+        published.chain(runs).chain(differences).chain(pictures).next()
+    }
+
+    /// What vertices count by, if any were scored.
+    pub fn vertex_weights(&self) -> Option<Weighting> {
+        let vertices = self.runs.iter().filter(|run| run.receivers == ReceiverKind::Vertices.to_string());
+        vertices.filter_map(|run| run.error.as_ref()).map(|error| error.weights).max_by_key(|it| *it == Weighting::Area)
+    }
+
+    /// As JSON, with a line break at the end. Numbers that are not finite, which JSON would turn into `null`, are refused.
     pub fn to_json(&self) -> Result<String, HarnessError> {
-        let mut text = serde_json::to_string_pretty(self)
-            .map_err(|error| HarnessError::input(format!("results cannot be written as JSON: {error}")))?;
+        let fail = |problem: String| HarnessError::input(format!("results cannot be written as JSON: {problem}"));
+        if let Some(place) = self.not_finite() {
+            return Err(fail(format!("{place} is not finite")));
+        }
+        let mut text = serde_json::to_string_pretty(self).map_err(|error| fail(error.to_string()))?;
         text.push('\n');
         Ok(text)
     }
@@ -317,8 +384,15 @@ pub(crate) mod tests {
                     p99: 2.5 * rmse,
                     max: 3.0 * rmse,
                     rmse_noise: 1e-4,
+                    bias_noise: Some(2e-5),
+                    mae_noise: Some(4e-5),
+                    p95_noise: Some(2e-4),
+                    p99_noise: Some(4e-4),
+                    max_noise: Some(1e-3),
                     resolved: true,
                 },
+                weights: Weighting::Equal,
+                classes: Vec::new(),
                 similarity: Similarity::default(),
             }),
             truth: Some(TruthFigures { samples: 256, rms_standard_error: 1e-3, unshadowed_mean: 0.5 }),
@@ -397,6 +471,40 @@ pub(crate) mod tests {
         has(&run["memory"], &["bytes", "parts"]);
         assert_eq!(run["status"], "ok");
         assert_eq!(json["runs"][2]["status"], "unsupported");
+    }
+
+    #[test]
+    fn numbers_that_are_not_finite_are_refused_by_name() {
+        let refused = |change: &dyn Fn(&mut Results)| {
+            let mut results = example();
+            change(&mut results);
+            results.to_json().unwrap_err().to_string()
+        };
+        let metrics = |results: &mut Results, change: fn(&mut Metrics)| {
+            change(&mut results.runs[1].error.as_mut().unwrap().metrics);
+        };
+        let max = refused(&|results| metrics(results, |m| m.max = f64::NAN));
+        assert!(max.contains("max of vases/0/vertices/exact"), "{max}");
+        assert!(refused(&|results| metrics(results, |m| m.p99_noise = Some(f64::INFINITY))).contains("p99_noise"));
+        assert!(refused(&|results| results.runs[0].details[0].values.push(f64::NAN)).contains("details"));
+        assert!(refused(&|results| results.differences[0].max = f64::INFINITY).contains("difference"));
+        assert!(refused(&|results| results.scenes[0].published[0].frames_per_sec = f64::NAN).contains("published"));
+    }
+
+    #[test]
+    fn results_of_older_versions_are_read() {
+        let mut json: serde_json::Value = serde_json::from_str(&example().to_json().unwrap()).unwrap();
+        for run in json["runs"].as_array_mut().unwrap() {
+            if let Some(error) = run["error"].as_object_mut() {
+                error.retain(|key, _| {
+                    !["weights", "classes"].contains(&key.as_str()) && (key == "rmse_noise" || !key.ends_with("_noise"))
+                });
+            }
+        }
+        let old: Results = serde_json::from_str(&json.to_string()).unwrap();
+        let error = old.runs[0].error.as_ref().unwrap();
+        assert_eq!((error.weights, error.metrics.max_noise, error.metrics.rmse_noise), (Weighting::Equal, None, 1e-4));
+        assert_eq!(old.vertex_weights(), Some(Weighting::Equal));
     }
 
     #[test]

@@ -1,7 +1,9 @@
 //! Running an experiment: bake, prepare, shade, score, time, picture; journal every step.
 
 use crate::{
-    Clock, Experiment, HarnessError, Picture, ReceiverKind, ReferenceKind, Results, Variant,
+    Clock, Experiment, HarnessError, Picture, ReceiverKind, ReceiverWeights, ReferenceKind, Results, Variant,
+    Weighting,
+    classes::by_class,
     clock::time_secs,
     file_names,
     image_io::{exr_bytes, png_bytes},
@@ -21,12 +23,13 @@ use crate::{
     },
     resume::{Beginning, Known},
     shading::{count_not_finite, shade_all},
+    ssim::WINDOW,
 };
 use glam::Vec3;
 use halfshade_scene::{Frame, InputFile, Progress, RadianceBuffer, ReceiverBuffer, Scene, cache::Cache};
 use halfshade_strategy::{Baked, Effects, Strategy, StrategyError};
-use halfshade_truth::Tracer;
-use std::{collections::BTreeMap, path::PathBuf};
+use halfshade_truth::{Hider, Tracer, hiders};
+use std::{collections::BTreeMap, path::PathBuf, sync::Arc};
 
 /// What the harness is given: it names no strategy and owns no terminal.
 pub struct Tools<'a> {
@@ -207,8 +210,16 @@ impl Session<'_> {
             memory: None,
             details: Vec::new(),
         };
-        let references = self.references(scene, index, &receivers)?;
+        let references = self.references(&frame, kind, &receivers)?;
         let exposure = projection.as_ref().map_or(1.0, |p| p.picture(&references[0].1.radiance, Vec3::ZERO).exposure());
+        if projection.is_some() && camera.resolution.iter().any(|&side| (side as usize) < WINDOW) {
+            let [width, height] = camera.resolution;
+            let note = format!(
+                "{}: SSIM isn't defined for pictures of {width} by {height}, only from {WINDOW} by {WINDOW} on",
+                scene.name
+            );
+            self.tools.progress.note(&note);
+        }
         if let Some(projection) = &projection {
             self.picture_truth(scene, index, projection, &references[0].1, exposure)?;
         }
@@ -282,7 +293,9 @@ impl Session<'_> {
         }
         for &pair in &self.plan.pairs {
             let [a, b] = pair.map(|place| blank(&self.plan.variants[place]));
-            results.differences.extend(both(pair).and_then(|(first, second)| difference_between(first, second, a, b)));
+            let weights = &references[0].1.weights;
+            let difference = both(pair).and_then(|(first, second)| difference_between(first, second, weights, a, b));
+            results.differences.extend(difference);
         }
 
         results.pictures.extend(
@@ -312,20 +325,40 @@ impl Session<'_> {
         Ok(())
     }
 
-    fn references(&self, scene: &Scene, index: usize, receivers: &ReceiverBuffer) -> Result<References, HarnessError> {
+    fn references(
+        &self,
+        frame: &Frame<'_>,
+        receivers_are: ReceiverKind,
+        receivers: &ReceiverBuffer,
+    ) -> Result<References, HarnessError> {
         let tracer = ReferenceTracer {
             accuracy: self.plan.accuracy,
             band_limit: self.tools.band_limit,
             cache: &self.truth_cache,
             progress: self.tools.progress,
         };
+        let weights = Arc::new(match (receivers_are, self.plan.weights) {
+            (ReceiverKind::Vertices, Weighting::Area) => ReceiverWeights::by_area(frame, receivers),
+            _ => ReceiverWeights::equal(receivers.len()),
+        });
+        // Who only compares with a baseline shows no classes.
+        let by_class = self.plan.classes && self.place.is_some();
+        let hiders: Arc<[Hider]> = match by_class {
+            true => hiders(&Tracer::new(frame), receivers.view(), self.tools.progress).into(),
+            false => Arc::default(),
+        };
         let kinds = std::iter::once(ReferenceKind::Mesh).chain(self.plan.other_references());
-        kinds
-            .map(|kind| {
-                let (reference, samples) = tracer.trace(scene, index, receivers.view(), kind)?;
-                Ok((kind, reference, samples))
-            })
-            .collect()
+        let traced = kinds.map(|kind| {
+            let scoring = (weights.clone(), hiders.clone());
+            let (reference, samples) = tracer.trace(frame.scene, frame.index, receivers.view(), kind, scoring)?;
+            Ok((kind, reference, samples))
+        });
+        let mut references = traced.collect::<Result<References, HarnessError>>()?;
+        // Relative errors share one denominator, so that they can be compared between references.
+        if let Some(mean) = references.first().map(|(_, mesh, _)| mesh.unshadowed_mean) {
+            references.iter_mut().for_each(|(_, reference, _)| reference.unshadowed_mean = mean);
+        }
+        Ok(references)
     }
 
     /// How far the other references are from the mesh's: what a strategy without any error of its own would show.
@@ -338,21 +371,16 @@ impl Session<'_> {
     ) {
         let Some(((_, mesh, _), others)) = references.split_first() else { return };
         for (kind, other, samples) in others {
-            // Both sides are noisy: the variances of the difference add.
-            let mut both = mesh.clone();
-            let errors = both.standard_error.channels.iter_mut().flatten();
-            for (error, other) in errors.zip(other.standard_error.channels.iter().flatten()) {
-                *error = error.hypot(*other);
-            }
-            let Some(metrics) = compare(&other.radiance, &both) else { continue };
+            let both = mesh.with_noise_of_difference(other);
+            let Some(error) = figures(ReferenceKind::Mesh, scene, &other.radiance, &both) else { continue };
             let Some(variant) = self.plan.variants.first() else { continue };
             results.runs.push(Run {
                 strategy: "reference".into(),
                 label: format!("reference: {kind}"),
                 params: BTreeMap::from([("reference".to_owned(), kind.to_string().into())]),
                 status: Status::Ok,
-                error: Some(figures(ReferenceKind::Mesh, scene, metrics)),
-                truth: Some(truth_figures(&both, *samples, mesh)),
+                error: Some(error),
+                truth: Some(truth_figures(&both, *samples)),
                 ..blank(variant)
             });
         }
@@ -400,18 +428,14 @@ impl Session<'_> {
         let details = if self.plan.details { baked.details() } else { Vec::new() };
         let details = details.into_iter().map(|detail| Detail { name: detail.name, values: detail.values });
         let details: Vec<Detail> = details.collect();
-        let mesh = &references[0].1;
         let runs = references
             .iter()
             .filter(|(kind, ..)| self.plan.compares(variant, *kind))
             .filter_map(|(kind, reference, samples)| {
-                // Relative errors share one denominator, so that they can be compared between references.
-                let reference = Reference { unshadowed_mean: mesh.unshadowed_mean, ..reference.clone() };
-                let metrics = compare(&radiance, &reference)?;
                 Some(Run {
                     status: Status::Ok,
-                    error: Some(figures(*kind, frame.scene, metrics)),
-                    truth: Some(truth_figures(&reference, *samples, mesh)),
+                    error: Some(figures(*kind, frame.scene, &radiance, reference)?),
+                    truth: Some(truth_figures(reference, *samples)),
                     time: Some(TimeFigures::of(bake_secs, self.threads, Vec::new())),
                     memory: Some(memory.clone()),
                     details: details.clone(),
@@ -540,26 +564,47 @@ fn timed_frame(
     Ok(Sample { prepare_secs, shade_secs })
 }
 
-fn figures(kind: ReferenceKind, scene: &Scene, metrics: Metrics) -> ErrorFigures {
+/// `None` if there is nothing to compare.
+fn figures(
+    kind: ReferenceKind,
+    scene: &Scene,
+    radiance: &RadianceBuffer,
+    reference: &Reference,
+) -> Option<ErrorFigures> {
     let transport = if scene.bounces == 0 { "direct".into() } else { format!("bounces={}", scene.bounces) };
-    ErrorFigures { reference: kind.to_string(), transport, metrics, similarity: Similarity::default() }
+    Some(ErrorFigures {
+        reference: kind.to_string(),
+        transport,
+        metrics: compare(radiance, reference)?,
+        weights: reference.weights.weighting(),
+        classes: by_class(radiance, reference),
+        similarity: Similarity::default(),
+    })
 }
 
 /// `None` if there is nothing to compare.
-fn difference_between(first: &RadianceBuffer, second: &RadianceBuffer, a: Run, b: Run) -> Option<Difference> {
-    let mean = mean(second);
-    let exact = RadianceBuffer::zeros(second.len());
-    let reference = Reference { radiance: second.clone(), standard_error: exact, unshadowed_mean: mean };
+fn difference_between(
+    first: &RadianceBuffer,
+    second: &RadianceBuffer,
+    weights: &Arc<ReceiverWeights>,
+    a: Run,
+    b: Run,
+) -> Option<Difference> {
+    if [first.len(), weights.values().len()] != [second.len(); 2] {
+        return None;
+    }
+    let mean = mean(second, weights);
+    let reference = Reference::exact(second.clone(), mean, weights.clone());
     let Metrics { bias, mae, max, .. } = compare(first, &reference)?;
     let Run { scene, frame, receivers, label: first, .. } = a;
     Some(Difference { scene, frame, receivers, first, second: b.label, mean, bias, mae, max })
 }
 
-fn truth_figures(reference: &Reference, samples: usize, mesh: &Reference) -> TruthFigures {
+fn truth_figures(reference: &Reference, samples: usize) -> TruthFigures {
     TruthFigures {
         samples: samples as u64,
         rms_standard_error: reference.rms_standard_error(),
-        unshadowed_mean: mesh.unshadowed_mean,
+        unshadowed_mean: reference.unshadowed_mean,
     }
 }
 
@@ -569,7 +614,7 @@ mod tests {
     use crate::clock::mock::MockClock;
     use halfshade_scene::{Environment, RadianceMut, Receivers};
     use halfshade_strategy::Footprint;
-    use std::{sync::Arc, time::Duration};
+    use std::time::Duration;
 
     /// Takes 2 ms to prepare the frame it is asked for and 100 ms for any other, and 5 ms to shade.
     struct Steady(Arc<MockClock>);
@@ -608,9 +653,12 @@ mod tests {
     fn two_strategies_differ_by_what_lies_between_them() {
         let blank = |label: &str| Run { label: label.into(), ..crate::results::tests::example().runs[0].clone() };
         let buffer = |values: [f32; 2]| RadianceBuffer { channels: std::array::from_fn(|_| values.to_vec()) };
-        let found = difference_between(&buffer([1.0, 3.0]), &buffer([2.0, 2.5]), blank("a"), blank("b")).unwrap();
+        let weights = Arc::new(ReceiverWeights::equal(2));
+        let difference =
+            |second: &RadianceBuffer| difference_between(&buffer([1.0, 3.0]), second, &weights, blank("a"), blank("b"));
+        let found = difference(&buffer([2.0, 2.5])).unwrap();
         assert_eq!((found.first.as_str(), found.second.as_str(), found.scene.as_str()), ("a", "b", "vases"));
         assert_eq!((found.mean, found.bias, found.mae, found.max), (2.25, -0.25, 0.75, 1.0));
-        assert!(difference_between(&buffer([1.0, 3.0]), &RadianceBuffer::zeros(0), blank("a"), blank("b")).is_none());
+        assert!(difference(&RadianceBuffer::zeros(0)).is_none());
     }
 }

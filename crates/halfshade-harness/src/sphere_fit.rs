@@ -8,12 +8,15 @@
 //! Where an object rests on the ground, most of the error may lie in the few receivers under it, inside spheres that dip
 //! below the plane, and depend on the rule by which those are adjusted rather than on how well they fit.
 
-use crate::metrics::{Reference, compare};
+use crate::{
+    metrics::{Reference, compare},
+    weights::ReceiverWeights,
+};
 use glam::Vec3;
 use halfshade_scene::{
     Environment, Material, Mesh, Motion, Object, Pose, Progress, ReceiverBuffer, Scene, SphereSet, spheres::AdjustRule,
 };
-use halfshade_truth::{Geometry, Options, Tracer, estimate};
+use halfshade_truth::{Estimate, Geometry, Options, Tracer, estimate};
 use std::sync::Arc;
 
 /// Receivers along each side of the square.
@@ -61,16 +64,16 @@ pub fn ground_shadow_errors<const N: usize>(
         estimate(&tracer, receivers.view(), &options, progress)
     };
     let mesh = shadow(Geometry::Mesh, 1);
+    let weights = Arc::new(ReceiverWeights::equal(receivers.len()));
     let mut errors = [0.0; N];
     for (error, rule) in errors.iter_mut().zip(rules) {
         let spheres = shadow(Geometry::Spheres(rule), 2);
-        let mut standard_error = mesh.standard_error.clone();
-        let others = spheres.standard_error.channels.iter().flatten();
-        for (error, other) in standard_error.channels.iter_mut().flatten().zip(others) {
-            *error = error.hypot(*other);
-        }
-        let radiance = mesh.radiance.clone();
-        let reference = Reference { radiance, standard_error, unshadowed_mean: mesh.unshadowed_mean };
+        let side = |estimate: &Estimate| Reference {
+            standard_error: estimate.standard_error.clone(),
+            draws: estimate.draws.clone(),
+            ..Reference::exact(estimate.radiance.clone(), mesh.unshadowed_mean, weights.clone())
+        };
+        let reference = side(&mesh).with_noise_of_difference(&side(&spheres));
         *error = compare(&spheres.radiance, &reference)?.rel_rmse?;
     }
     Some(errors)

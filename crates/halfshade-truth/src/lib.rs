@@ -41,6 +41,7 @@ mod directions;
 mod environment;
 mod estimate;
 mod glossy;
+mod hiders;
 mod inward;
 mod lights;
 mod map_irradiance;
@@ -56,6 +57,7 @@ mod sphere_irradiance;
 mod tracer;
 mod triangle;
 
-pub use estimate::{Estimate, Geometry, MAX_SAMPLES, Options, REPLICATES, Transport, estimate};
+pub use estimate::{DRAWS, Estimate, Geometry, MAX_SAMPLES, Options, REPLICATES, Transport, estimate};
+pub use hiders::{Hider, LEAST_SHARE, hiders};
 pub use shadow_rays::{ShadowRay, shadow_rays};
 pub use tracer::{Hit, Surface, Tracer};

@@ -186,6 +186,11 @@ impl Tracer {
         self.nearest(tracing_ray(from.ray_origin, direction, f32::INFINITY), from.slack)
     }
 
+    /// The object that a ray of a given length meets first when it leaves a surface, in tracing space.
+    pub(crate) fn first_object(&self, from: &Receiver, direction: Vec3A, distance: f32) -> Option<u32> {
+        Some(self.nearest(tracing_ray(from.ray_origin, direction, distance), from.slack)?.object)
+    }
+
     /// The first triangle along a ray in tracing space of unit direction.
     fn nearest(&self, ray: Ray, slack: Vec3A) -> Option<Hit> {
         let sheared = ShearedRay::new(ray.origin, ray.direction).with_slack(slack);

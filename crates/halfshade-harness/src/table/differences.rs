@@ -1,7 +1,7 @@
 //! Strategies beside each other instead of beside the truth.
 
 use super::{Cell, Column, Table, runs_of, significant};
-use crate::{Results, results::TimeFigures, statistics::Spread};
+use crate::{Results, metrics::relative, results::TimeFigures, statistics::Spread};
 
 /// One row for each pair; `None` if the experiment asks for none.
 pub fn differences(results: &Results, scene: &str, frame: usize, receivers: &str) -> Option<Table> {
@@ -18,25 +18,23 @@ pub fn differences(results: &Results, scene: &str, frame: usize, receivers: &str
         .map(|it| {
             let ratio = time_of(&it.first).zip(time_of(&it.second)).and_then(|(first, second)| ratio(first, second));
             let of_mean =
-                if it.mean > 0.0 { format!("{} %", significant(100.0 * it.mae / it.mean, 2)) } else { String::new() };
+                |value: f64, digits| relative(value, it.mean).map_or("no light".into(), |v| significant(v, digits));
             [
                 it.first.clone(),
                 it.second.clone(),
-                significant(it.mean, 4),
-                significant(it.mae, 3),
-                of_mean,
-                significant(it.bias, 2),
-                significant(it.max, 3),
+                of_mean(it.mae, 3),
+                of_mean(it.bias, 2),
+                of_mean(it.max, 3),
                 ratio.map_or(String::new(), |it| format!("{:.3} ± {:.3}", it.median, it.mad)),
             ]
             .map(Cell::text)
             .to_vec()
         })
         .collect();
-    let columns = ["strategy", "beside", "mean", "mean abs. difference", "of the mean", "bias", "max", "shade time"];
+    let columns = ["strategy", "beside", "mean abs. difference", "bias", "max", "shade time"];
     let notes = vec![
-        "Radiance over all channels; the mean is that of the second strategy. Shade time is a multiple of the second's, the median \
-         over rounds in which both ran."
+        "Differences are fractions of the second strategy's mean radiance, over all channels. Shade time is a multiple of the \
+         second's, the median over rounds in which both ran."
             .into(),
     ];
     let title = format!("Beside each other: {scene}, frame {frame}");
@@ -57,12 +55,12 @@ mod tests {
     #[test]
     fn every_pair_is_a_row_with_its_ratio_of_times() {
         let table = differences(&example(), "vases", 0, "vertices").unwrap().write(Format::Markdown, "");
-        let row = "| exact | fast:bands=4 | 0.2500 | 0.0200 | 8.0 % | -0.010 | 0.125 | 25.000 ± 0.000 |";
+        let row = "| exact | fast:bands=4 | 0.0800 | -0.040 | 0.500 | 25.000 ± 0.000 |";
         assert!(table.contains(row), "{table}");
         assert!(differences(&example(), "vases", 1, "vertices").is_none());
         let mut untimed = example();
         untimed.runs.iter_mut().for_each(|run| run.time = None);
         let table = differences(&untimed, "vases", 0, "vertices").unwrap();
-        assert_eq!(table.rows[0][7], Cell::empty());
+        assert_eq!(table.rows[0][5], Cell::empty());
     }
 }

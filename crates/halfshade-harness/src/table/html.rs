@@ -30,5 +30,6 @@ pub(super) fn write(table: &Table) -> String {
 
 /// Text as HTML shows it unchanged.
 pub(crate) fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    let text = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;");
+    text.replace(|character: char| character.is_control() && character != '\n', " ")
 }

@@ -35,11 +35,19 @@ fn escape(text: &str) -> String {
         match character {
             '&' | '%' | '$' | '#' | '_' | '{' | '}' => escaped.extend(['\\', character]),
             '\\' => escaped.push_str("\\textbackslash{}"),
+            '<' => escaped.push_str("\\textless{}"),
+            '>' => escaped.push_str("\\textgreater{}"),
+            '|' => escaped.push_str("\\textbar{}"),
+            '`' => escaped.push_str("\\textasciigrave{}"),
+            // After the end of a row these two would be its options; a straight quote may be active.
+            '[' | ']' | '*' | '"' => escaped.extend(['{', character, '}']),
+            // Two in turn would be joined to a dash.
+            '-' if escaped.ends_with('-') => escaped.push_str("{}-"),
             '~' => escaped.push_str("\\textasciitilde{}"),
             '^' => escaped.push_str("\\textasciicircum{}"),
             '±' => escaped.push_str("$\\pm$"),
             '≤' => escaped.push_str("$\\le$"),
-            '\n' => escaped.push(' '),
+            _ if character.is_control() => escaped.push(' '),
             _ => escaped.push(character),
         }
     }

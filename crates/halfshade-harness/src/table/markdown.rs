@@ -3,7 +3,7 @@
 use super::{Cell, Table};
 
 pub(super) fn write(table: &Table) -> String {
-    let mut text = format!("### {}\n\n", table.title);
+    let mut text = format!("### {}\n\n", escape(&table.title));
     let heads: Vec<String> = table.columns.iter().map(|column| escape(&column.name)).collect();
     text += &format!("| {} |\n", heads.join(" | "));
     let numeric = |c: usize| table.columns[c].better.is_some() || table.rows.iter().any(|row| row[c].value.is_some());
@@ -14,7 +14,7 @@ pub(super) fn write(table: &Table) -> String {
         text += &format!("| {} |\n", cells.join(" | "));
     }
     for note in &table.notes {
-        text += &format!("\n{note}\n");
+        text += &format!("\n{}\n", escape(note));
     }
     text
 }
@@ -28,6 +28,26 @@ fn mark(cell: &Cell, place: Option<u8>) -> String {
     }
 }
 
-fn escape(text: &str) -> String {
-    text.replace('|', "\\|").replace('\n', " ")
+/// Text as Markdown shows it unchanged, in one line. What means nothing where it stands is left as it is, so that tables
+/// can be read as text too: `_` within a word, `<` before a space or a digit, `&` that begins no entity.
+pub(crate) fn escape(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    let mut previous = ' ';
+    let mut rest = text.chars().peekable();
+    while let Some(character) = rest.next() {
+        let next = rest.peek().copied().unwrap_or(' ');
+        let special = match character {
+            '\\' | '`' | '*' | '[' | ']' | '|' | '~' | '$' => true,
+            '_' => !(previous.is_alphanumeric() && next.is_alphanumeric()),
+            '<' => next.is_alphabetic() || matches!(next, '/' | '!' | '?'),
+            '&' => next.is_alphabetic() || next == '#',
+            _ => false,
+        };
+        if special {
+            escaped.push('\\');
+        }
+        escaped.push(if character.is_control() { ' ' } else { character });
+        previous = character;
+    }
+    escaped
 }

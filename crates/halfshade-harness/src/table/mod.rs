@@ -1,15 +1,18 @@
 //! Tables: one model, and a file per format that writes it.
 
+mod by_class;
 mod csv_format;
 mod details;
 mod differences;
 pub(crate) mod html;
 mod latex;
-mod markdown;
+pub(crate) mod markdown;
 mod views;
 
+pub use by_class::error_by_class;
 pub use details::details;
 pub use differences::differences;
+use views::relative_rmse;
 pub use views::{error_split, results_csv, scene_table};
 pub(crate) use views::{groups, runs_of};
 
@@ -49,7 +52,7 @@ pub enum Better {
 pub struct Cell {
     /// What is shown.
     pub text: String,
-    /// What is ranked; nothing for text, and for numbers that may not win (an error that isn't resolved).
+    /// What is ranked; nothing for text.
     pub value: Option<f64>,
 }
 
@@ -87,6 +90,11 @@ impl Cell {
     /// A number.
     pub fn number(text: impl Into<String>, value: f64) -> Self {
         Self { text: text.into(), value: Some(value) }
+    }
+
+    /// An error that the truth can't tell from none: the best there is, whatever its size, and as good as any other such.
+    pub fn unresolved(text: impl Into<String>) -> Self {
+        Self::number(text, 0.0)
     }
 
     /// Nothing.
@@ -150,7 +158,7 @@ pub fn significant(value: f64, digits: usize) -> String {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
     pub(super) fn small() -> Table {
@@ -164,7 +172,7 @@ mod tests {
             rows: vec![
                 vec![Cell::text("a_1"), Cell::number("0.5", 0.5), Cell::number("10", 10.0)],
                 vec![Cell::text("b|2"), Cell::number("0.1", 0.1), Cell::number("20", 20.0)],
-                vec![Cell::text("c<3"), Cell::text("not resolved"), Cell::number("10", 10.0)],
+                vec![Cell::text("c<3"), Cell::text("no light"), Cell::number("10", 10.0)],
             ],
             notes: vec!["50% of it".into()],
         }
@@ -177,10 +185,10 @@ mod tests {
             | --- | ---: | ---: |\n\
             | a_1 | 0.5 | 10 |\n\
             | b\\|2 | **0.1** | **20** |\n\
-            | c<3 | not resolved | 10 |\n\n\
+            | c<3 | no light | 10 |\n\n\
             50% of it\n";
         let underlined = expected.replace("| a_1 | 0.5 | 10 |", "| a_1 | <u>0.5</u> | <u>10</u> |");
-        let underlined = underlined.replace("| not resolved | 10 |", "| not resolved | <u>10</u> |");
+        let underlined = underlined.replace("| no light | 10 |", "| no light | <u>10</u> |");
         assert_eq!(small().write(Format::Markdown, ""), underlined);
     }
 
@@ -190,8 +198,55 @@ mod tests {
         assert!(text.starts_with("% halfshade 1 not a command\n"), "{text}");
         assert!(text.contains("\\toprule") && text.contains("\\bottomrule") && text.contains("\\begin{tabular}{lrr}"));
         assert!(text.contains("a\\_1 & \\underline{0.5} & \\underline{10} \\\\"), "{text}");
-        assert!(text.contains("b|2 & \\textbf{0.1} & \\textbf{20} \\\\"), "{text}");
+        // In the fonts that LaTeX starts with, a bare bar prints as a dash.
+        assert!(text.contains("b\\textbar{}2 & \\textbf{0.1} & \\textbf{20} \\\\"), "{text}");
         assert!(text.contains("A \\& B") && text.contains("50\\% of it"), "{text}");
+    }
+
+    #[test]
+    fn what_is_not_resolved_is_best_in_every_format() {
+        let mut table = small();
+        table.rows[2][1] = Cell::unresolved("not resolved");
+        table.rows.push(vec![Cell::text("d"), Cell::unresolved("not resolved"), Cell::number("5", 5.0)]);
+        let markdown = table.write(Format::Markdown, "");
+        assert_eq!(markdown.matches("**not resolved**").count(), 2, "{markdown}");
+        assert!(markdown.contains("| <u>0.1</u> |") && markdown.contains("| a_1 | 0.5 |"), "{markdown}");
+        let latex = table.write(Format::Latex, "");
+        assert_eq!(latex.matches("\\textbf{not resolved}").count(), 2, "{latex}");
+        assert!(latex.contains("\\underline{0.1}"), "{latex}");
+        let html = table.write(Format::Html, "");
+        assert_eq!(html.matches("<b>not resolved</b>").count(), 2, "{html}");
+        assert!(html.contains("<u>0.1</u>"), "{html}");
+        // One alone among text has nothing to win against.
+        let alone = Table { rows: table.rows.split_off(3), ..table };
+        assert!(!alone.write(Format::Markdown, "").contains("**"));
+    }
+
+    /// A name that means something in every format.
+    pub(crate) const HOSTILE: &str = "a|b `c` *d* _e_ <i>f</i> [g](h) \\i &amp; {j} #k $l$ ~m~ ^n %o \"p\"\nq";
+
+    #[test]
+    fn names_stand_as_they_are_in_every_format() {
+        let mut table = small();
+        table.title = HOSTILE.into();
+        table.columns[1].name = HOSTILE.into();
+        table.rows[0][0].text = HOSTILE.into();
+        table.notes = vec![HOSTILE.into()];
+        let escaped = r#"a\|b \`c\` \*d\* \_e\_ \<i>f\</i> \[g\](h) \\i \&amp; {j} #k \$l\$ \~m\~ ^n %o "p" q"#;
+        let markdown = table.write(Format::Markdown, "");
+        assert_eq!(markdown.matches(escaped).count(), 4, "{markdown}");
+        assert!(markdown.starts_with(&format!("### {escaped}\n\n")), "{markdown}");
+        let latex = table.write(Format::Latex, "");
+        let escaped = r#"\_e\_ \textless{}i\textgreater{}f\textless{}/i\textgreater{} {[}g{]}(h) \textbackslash{}i \&amp; \{j\} \#k \$l\$"#;
+        let end = r#"\textasciitilde{}m\textasciitilde{} \textasciicircum{}n \%o {"}p{"} q"#;
+        let escaped = format!(r"a\textbar{{}}b \textasciigrave{{}}c\textasciigrave{{}} {{*}}d{{*}} {escaped} {end}");
+        assert_eq!(latex.matches(&escaped).count(), 4, "{latex}");
+        let html = table.write(Format::Html, "");
+        let escaped = "&lt;i&gt;f&lt;/i&gt; [g](h) \\i &amp;amp; {j}";
+        assert_eq!(html.matches(escaped).count(), 4, "{html}");
+        let csv = table.write(Format::Csv, "");
+        let record = csv::Reader::from_reader(csv.as_bytes()).records().next().unwrap().unwrap();
+        assert_eq!(&record[0], HOSTILE);
     }
 
     #[test]

@@ -2,7 +2,9 @@
 
 use super::{Better, Cell, Column, Table, csv_format, significant};
 use crate::{
+    Metrics, Weighting,
     image_metrics::Similarity,
+    metrics::relative,
     results::{Results, Run, Status},
 };
 
@@ -14,6 +16,15 @@ pub(crate) fn runs_of<'a>(
     receivers: &'a str,
 ) -> impl Iterator<Item = &'a Run> {
     results.runs.iter().filter(move |run| run.scene == scene && run.frame == frame && run.receivers == receivers)
+}
+
+/// The cell of an error that is ranked.
+pub(super) fn relative_rmse(m: &Metrics) -> Cell {
+    match m.rel_rmse {
+        Some(value) if m.resolved => Cell::number(significant(value, 3), value),
+        Some(value) => Cell::unresolved(format!("not resolved (about {})", significant(value, 1))),
+        None => Cell::text("no light"),
+    }
 }
 
 /// Every (scene, frame, kind of receivers) there is, in order.
@@ -51,6 +62,7 @@ pub fn scene_table(results: &Results, scene: &str, frame: usize, receivers: &str
         Column::plain("strategy"),
         Column::ranked("rel. RMSE", Better::Lower),
         Column::plain("bias"),
+        Column::ranked("mae", Better::Lower),
         Column::ranked("p95", Better::Lower),
         Column::ranked("p99", Better::Lower),
         Column::ranked("max", Better::Lower),
@@ -74,13 +86,12 @@ pub fn scene_table(results: &Results, scene: &str, frame: usize, receivers: &str
             return row;
         };
         let m = &error.metrics;
-        row.push(match m.rel_rmse {
-            Some(value) if m.resolved => Cell::number(significant(value, 3), value),
-            Some(value) => Cell::text(format!("not resolved (about {})", significant(value, 1))),
-            None => Cell::text("no light"),
-        });
-        row.push(Cell::text(signed(m.bias)));
-        row.extend([m.p95, m.p99, m.max].map(|value| Cell::number(significant(value, 3), value)));
+        row.push(relative_rmse(m));
+        let mean = run.truth.as_ref().map_or(0.0, |truth| truth.unshadowed_mean);
+        row.push(relative(m.bias, mean).map_or(Cell::empty(), |value| Cell::text(signed(value))));
+        row.extend([m.mae, m.p95, m.p99, m.max].map(|value| {
+            relative(value, mean).map_or(Cell::empty(), |value| Cell::number(significant(value, 3), value))
+        }));
         row.extend(looks.iter().map(|(_, value)| {
             value(&error.similarity).map_or(Cell::empty(), |value| Cell::number(format!("{value:.4}"), value))
         }));
@@ -109,15 +120,20 @@ pub fn scene_table(results: &Results, scene: &str, frame: usize, receivers: &str
     if let Some(run) = shown.iter().find(|run| run.truth.is_some())
         && let Some(truth) = &run.truth
     {
+        let mean = truth.unshadowed_mean;
+        let of_mean = relative(truth.rms_standard_error, mean);
         notes.push(format!(
-            "{} {}; reference `{reference}`, {} samples, RMS standard error {} (relative {}). Errors are in radiance over \
-             all channels; rel. RMSE is divided by the mean unshadowed radiance, {}.",
+            "{} {}{}; reference `{reference}`, {} samples, RMS standard error {}. Errors are fractions of the mean unshadowed \
+             radiance, {}, over all channels.",
             run.receiver_count,
             if receivers == "vertices" { "vertex receivers" } else { "pixel receivers" },
+            match run.error.as_ref().map(|error| error.weights) {
+                Some(Weighting::Area) => ", weighted by the area around them",
+                _ => ", all counted alike",
+            },
             truth.samples,
-            significant(truth.rms_standard_error, 2),
-            significant(truth.rms_standard_error / truth.unshadowed_mean, 2),
-            significant(truth.unshadowed_mean, 3),
+            of_mean.map_or("not defined".into(), |value| significant(value, 2)),
+            significant(mean, 3),
         ));
     }
     if timed {
@@ -172,11 +188,7 @@ pub fn error_split(results: &Results, scene: &str, frame: usize, receivers: &str
                 runs_of(results, scene, frame, receivers)
                     .filter(|run| run.label == *label && kind(run.reference()) == *wanted)
                     .find_map(|run| run.error.as_ref())
-                    .map_or(Cell::empty(), |error| match error.metrics.rel_rmse {
-                        Some(value) if error.metrics.resolved => Cell::number(significant(value, 3), value),
-                        Some(_) => Cell::text("not resolved"),
-                        None => Cell::text("no light"),
-                    })
+                    .map_or(Cell::empty(), |error| relative_rmse(&error.metrics))
             };
             std::iter::once(Cell::text(*label)).chain(kinds.iter().map(cell)).collect()
         })
@@ -196,10 +208,12 @@ pub fn error_split(results: &Results, scene: &str, frame: usize, receivers: &str
 
 /// Every run with every number, one line each: `results.csv`.
 pub fn results_csv(results: &Results) -> String {
-    let head = "scene,frame,receivers,receiver_count,strategy,label,params,status,reason,reference,transport,rmse,rel_rmse,\
-                bias,mae,p95,p99,max,rmse_noise,resolved,flip,ssim,truth_samples,truth_rms_standard_error,unshadowed_mean,\
-                bake_secs,prepare_secs_median,prepare_secs_mad,shade_secs_median,shade_secs_mad,frames_per_sec,threads,\
-                memory_bytes";
+    let head = "scene,frame,receivers,receiver_count,strategy,label,params,status,reason,reference,transport,weights,\
+                rel_rmse,rel_bias,rel_mae,rel_p95,rel_p99,rel_max,rmse_radiance,bias_radiance,mae_radiance,p95_radiance,\
+                p99_radiance,max_radiance,rmse_noise_radiance,bias_noise_radiance,mae_noise_radiance,p95_noise_radiance,\
+                p99_noise_radiance,max_noise_radiance,resolved,flip,ssim,truth_samples,\
+                truth_rms_standard_error_radiance,unshadowed_mean_radiance,bake_secs,prepare_secs_median,\
+                prepare_secs_mad,shade_secs_median,shade_secs_mad,frames_per_sec,threads,memory_bytes";
     let mut records: Vec<Vec<String>> = vec![head.split(',').map(|name| name.trim().to_owned()).collect()];
     for run in &results.runs {
         let optional = |value: Option<f64>| value.map(|value| value.to_string()).unwrap_or_default();
@@ -217,9 +231,21 @@ pub fn results_csv(results: &Results) -> String {
             Status::Failed => "failed",
         };
         let (error, truth, time) = (run.error.as_ref(), run.truth.as_ref(), run.time.as_ref());
-        let metric = |of: &dyn Fn(&crate::Metrics) -> f64| optional(error.map(|error| of(&error.metrics)));
+        type Figure = fn(&Metrics) -> Option<f64>;
+        let metric = |of: Figure| error.and_then(|error| of(&error.metrics));
+        let mean = truth.map_or(0.0, |truth| truth.unshadowed_mean);
+        let absolute: [Figure; 6] =
+            [|m| Some(m.rmse), |m| Some(m.bias), |m| Some(m.mae), |m| Some(m.p95), |m| Some(m.p99), |m| Some(m.max)];
+        let noise: [Figure; 6] = [
+            |m| Some(m.rmse_noise),
+            |m| m.bias_noise,
+            |m| m.mae_noise,
+            |m| m.p95_noise,
+            |m| m.p99_noise,
+            |m| m.max_noise,
+        ];
         let (prepare, shade) = (time.and_then(|t| t.prepare_secs), time.and_then(|t| t.shade_secs));
-        records.push(vec![
+        let mut record = vec![
             run.scene.clone(),
             run.frame.to_string(),
             run.receivers.clone(),
@@ -231,14 +257,11 @@ pub fn results_csv(results: &Results) -> String {
             run.reason.clone().unwrap_or_default(),
             run.reference().to_owned(),
             error.map(|error| error.transport.clone()).unwrap_or_default(),
-            metric(&|m| m.rmse),
-            optional(error.and_then(|error| error.metrics.rel_rmse)),
-            metric(&|m| m.bias),
-            metric(&|m| m.mae),
-            metric(&|m| m.p95),
-            metric(&|m| m.p99),
-            metric(&|m| m.max),
-            metric(&|m| m.rmse_noise),
+            error.map(|error| error.weights.to_string()).unwrap_or_default(),
+        ];
+        record.extend(absolute.map(|of| optional(metric(of).and_then(|value| relative(value, mean)))));
+        record.extend(absolute.into_iter().chain(noise).map(|of| optional(metric(of))));
+        record.extend([
             error.map(|error| error.metrics.resolved.to_string()).unwrap_or_default(),
             optional(error.and_then(|error| error.similarity.flip)),
             optional(error.and_then(|error| error.similarity.ssim)),
@@ -254,6 +277,7 @@ pub fn results_csv(results: &Results) -> String {
             time.map(|time| time.threads.to_string()).unwrap_or_default(),
             run.memory.as_ref().map(|memory| memory.bytes.to_string()).unwrap_or_default(),
         ]);
+        records.push(record);
     }
     csv_format::lines(records.iter().map(|record| record.iter().map(String::as_str).collect()))
 }
@@ -282,7 +306,7 @@ mod tests {
         assert!(rows[0].contains("Ren et al. pixel shader, GeForce 8800 GTX: frames/s"), "{text}");
         assert_eq!(
             rows[2],
-            "| fast:bands=4 | <u>0.200</u> | -0.050 | <u>0.200</u> | <u>0.250</u> | <u>0.300</u> | 0.25 | 0 ± 0 | \
+            "| fast:bands=4 | <u>0.200</u> | -0.10 | <u>0.160</u> | <u>0.400</u> | <u>0.500</u> | <u>0.600</u> | 0.25 | 0 ± 0 | \
              **2.00 ± 0** | **500** | 95.0 | 2.00 KiB |"
         );
         assert!(rows[3].starts_with("| exact | **0.0200** |"), "{text}");
@@ -290,11 +314,27 @@ mod tests {
     }
 
     #[test]
-    fn an_unresolved_error_wins_nothing() {
+    fn an_unresolved_error_is_the_best() {
         let mut results = example();
-        results.runs[1].error.as_mut().unwrap().metrics.resolved = false;
+        results.runs[0].error.as_mut().unwrap().metrics.resolved = false;
         let text = scene_table(&results, "vases", 0, "vertices").write(Format::Markdown, "");
-        assert!(text.contains("| exact | not resolved (about 0.02) |"), "{text}");
+        assert!(text.contains("| fast:bands=4 | **not resolved (about 0.2)** |"), "{text}");
+        assert!(text.contains("| exact | <u>0.0200</u> |"), "{text}");
+    }
+
+    #[test]
+    fn a_scene_without_light_says_so_and_divides_by_nothing() {
+        let mut results = example();
+        for run in &mut results.runs {
+            if let (Some(error), Some(truth)) = (&mut run.error, &mut run.truth) {
+                (error.metrics.rel_rmse, truth.unshadowed_mean, truth.rms_standard_error) = (None, 0.0, 0.0);
+            }
+        }
+        for format in [Format::Markdown, Format::Latex, Format::Html, Format::Csv] {
+            let table = scene_table(&results, "vases", 0, "vertices").write(format, "");
+            let text = table + &results_csv(&results);
+            assert!(text.contains("no light") && !text.contains("NaN") && !text.contains("inf"), "{text}");
+        }
     }
 
     #[test]
@@ -316,9 +356,11 @@ mod tests {
     fn csv_has_a_cell_for_every_head() {
         let text = results_csv(&example());
         let mut reader = csv::Reader::from_reader(text.as_bytes());
-        assert_eq!(reader.headers().unwrap().len(), 33);
+        assert_eq!(reader.headers().unwrap().len(), 44);
         let records: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
         assert_eq!(records.len(), 3);
-        assert_eq!((&records[0][6], &records[0][11], &records[2][7]), ("bands=4", "0.1", "unsupported"));
+        assert_eq!((&records[0][6], &records[0][12], &records[2][7]), ("bands=4", "0.2", "unsupported"));
+        // Relative to a mean of 0.5, absolute, and the noise.
+        assert_eq!((&records[0][13], &records[0][19], &records[0][25]), ("-0.1", "-0.05", "0.00002"));
     }
 }

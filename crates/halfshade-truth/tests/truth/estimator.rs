@@ -8,7 +8,7 @@ use halfshade_scene::{
     progress::Silent,
     spheres::AdjustRule,
 };
-use halfshade_truth::{Estimate, Geometry, Options, Tracer, Transport, estimate};
+use halfshade_truth::{DRAWS, Estimate, Geometry, Options, Tracer, Transport, estimate};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -62,6 +62,36 @@ fn the_spread_over_seeds_is_the_error_reported() {
         let ratio = (spread / count as f64 / reported).sqrt();
         assert!((0.88..1.12).contains(&ratio), "spread over reported: {ratio}");
     }
+}
+
+#[test]
+fn draws_have_the_size_of_the_error_and_its_correlation_between_channels() {
+    let (scene, receivers) = (everything(), receivers());
+    let runs: Vec<Estimate> =
+        (0..24).map(|seed| run(&scene, &receivers, &Options { samples: 256, seed, ..Options::default() })).collect();
+    let sum = |buffer: &RadianceBuffer, i: usize| f64::from(buffer.at(i).element_sum());
+    let (mut spread, mut drawn, mut alone, mut claimed) = (0.0, 0.0, 0.0, 0.0);
+    for i in 0..receivers.len() {
+        let mean = runs.iter().map(|run| sum(&run.radiance, i)).sum::<f64>() / 24.0;
+        spread += runs.iter().map(|run| (sum(&run.radiance, i) - mean).powi(2)).sum::<f64>() / 23.0;
+        for run in &runs {
+            assert_eq!(run.draws.len(), DRAWS);
+            let count = (24 * DRAWS) as f64;
+            drawn += run.draws.iter().map(|draw| sum(draw, i).powi(2)).sum::<f64>() / count;
+            alone += run.draws.iter().map(|draw| f64::from(draw.at(i).length_squared())).sum::<f64>() / count;
+            claimed += f64::from(run.standard_error.at(i).length_squared()) / 24.0;
+        }
+    }
+    // Sums over channels show the correlation: without any, the ratio of `drawn` to `alone` would be 1.
+    let ratio = (spread / drawn).sqrt();
+    assert!((0.85..1.15).contains(&ratio), "spread of sums over drawn: {ratio}");
+    assert!((0.95..1.05).contains(&(claimed / alone).sqrt()), "{claimed} {alone}");
+    assert!(drawn > 1.5 * alone, "channels share their rays: {drawn} {alone}");
+    // Exact answers draw nothing, and unshadowed radiance is told receiver by receiver.
+    let free = run(&scene, &receivers, &Options { transport: Transport::Unshadowed, ..Options::default() });
+    assert!(free.draws.is_empty());
+    let mean = free.unshadowed.iter().map(|value| f64::from(*value)).sum::<f64>() / free.unshadowed.len() as f64;
+    assert!((mean / free.unshadowed_mean - 1.0).abs() < 1e-6 && free.unshadowed.len() == receivers.len());
 }
 
 #[test]

@@ -5,5 +5,6 @@ mod closed_forms;
 mod estimator;
 mod gloss;
 mod ground_scale;
+mod hiders;
 mod scenes;
 mod self_shadowing;

@@ -7,7 +7,7 @@ use halfshade_scene::Progress;
 use std::process::ExitCode;
 
 pub(super) fn check(context: &Context, arguments: &CheckArguments) -> Result<ExitCode, Failure> {
-    let experiment = Experiment::load(&arguments.experiment)?;
+    let mut experiment = Experiment::load(&arguments.experiment)?;
     let baseline = Results::load(&arguments.baseline)?;
     if baseline.experiment != experiment.name {
         return Err(Failure::Error(format!(
@@ -16,6 +16,14 @@ pub(super) fn check(context: &Context, arguments: &CheckArguments) -> Result<Exi
             baseline.experiment,
             experiment.name
         )));
+    }
+    // Errors compare only if receivers count as they did for the baseline.
+    if let Some(weights) = baseline.vertex_weights().filter(|weights| *weights != experiment.weights) {
+        let asked = experiment.weights;
+        context.bars.note(&format!(
+            "vertices count by `{weights}`, as for the baseline, not by `{asked}`, as the experiment says: renew the baseline"
+        ));
+        experiment.weights = weights;
     }
     let options = RunOptions {
         threads: context.threads,
@@ -34,7 +42,10 @@ pub(super) fn check(context: &Context, arguments: &CheckArguments) -> Result<Exi
     if !comparison.moved.rows.is_empty() {
         terminal::data(&comparison.moved.write(Format::Markdown, ""))?;
     }
-    let verdict = format!("{} errors compared, {} failed", comparison.compared, comparison.failures);
+    let verdict = format!(
+        "{} errors compared, {} failed ({} figures)",
+        comparison.compared, comparison.failures, comparison.figures
+    );
     terminal::data(&format!("{verdict}\n"))?;
     Ok(if comparison.failures == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }

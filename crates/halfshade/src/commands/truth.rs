@@ -5,7 +5,10 @@ use crate::{cli::TruthArguments, terminal};
 use glam::Vec3;
 use halfshade_harness::{
     image_io::{check_extension, write_picture},
+    metrics::relative,
     projection::Projection,
+    reference::check_range,
+    table::significant,
 };
 use halfshade_scene::Progress;
 use halfshade_truth::{MAX_SAMPLES, Options, Tracer, estimate};
@@ -29,16 +32,20 @@ pub(super) fn truth(context: &Context, arguments: &TruthArguments) -> Result<Exi
         ..Options::default()
     };
     let found = estimate(&tracer, receivers.view(), &options, &context.bars);
+    let place = format!("scene `{}`, frame {}", scene.name, arguments.scene.frame);
+    check_range([&found.radiance, &found.standard_error], &found.draws, found.unshadowed_mean, &place)?;
     let picture = projection.picture(&found.radiance, background(&arguments.scene));
+    let relative = relative(found.rms_standard_error, found.unshadowed_mean);
     let stderr = projection.picture(&found.standard_error, Vec3::ZERO);
     let exposure = exposure(&picture, &arguments.scene);
     write_picture(&output, &[("", &picture), ("stderr", &stderr)], exposure)?;
     terminal::data(&format!(
-        "receivers: {}\nsamples: {}\nrms_standard_error: {:.3e}\nunshadowed_mean: {:.6}\n",
+        "receivers: {}\nsamples: {}\nrms_standard_error: {:.3e}\nrelative_standard_error: {}\nunshadowed_mean: {}\n",
         receivers.len(),
         found.samples,
         found.rms_standard_error,
-        found.unshadowed_mean
+        relative.map_or("none".into(), |value| format!("{value:.3e}")),
+        significant(found.unshadowed_mean, 7)
     ))?;
     context.bars.note(&format!("wrote {}", output.display()));
     Ok(ExitCode::SUCCESS)
