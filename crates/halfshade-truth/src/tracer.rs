@@ -249,7 +249,7 @@ impl Tracer {
         let passes = distance.is_finite()
             && mesh.mask_of(triangle).is_some()
             && (self.triangles[slot].crossing(ray))
-                .is_some_and(|crossing| mesh.is_cut_out(triangle, crossing.barycentrics.as_dvec3()));
+                .is_some_and(|crossing| mesh.is_cut_out(triangle, crossing.barycentrics));
         if passes { f32::INFINITY } else { distance }
     }
 
