@@ -43,7 +43,7 @@
 //! ```
 
 use crate::{HarnessError, Weighting, file_names::is_folder_name, machine::MAX_THREADS};
-use halfshade_scene::{camera::check_resolution, file::MAX_SPHERES};
+use halfshade_scene::{camera::check_resolution, file::MAX_SPHERES, text};
 use halfshade_truth::MAX_SAMPLES;
 use serde::{Deserialize, Deserializer, Serialize, de::Error as _};
 use std::{
@@ -364,8 +364,7 @@ fn one() -> u32 {
 impl Experiment {
     /// Reads the file at `path`.
     pub fn load(path: &Path) -> Result<Self, HarnessError> {
-        let text = std::fs::read_to_string(path).map_err(|source| HarnessError::io(path, "read", source))?;
-        Self::parse(&text, path)
+        Self::parse(&text::read(path)?, path)
     }
 
     /// Reads `text`; `path` is named in errors, and files are relative to it.

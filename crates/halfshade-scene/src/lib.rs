@@ -24,6 +24,7 @@ pub mod reflectance;
 pub mod scene;
 pub mod skin;
 pub mod spheres;
+pub mod text;
 pub mod texture;
 
 pub use cache::{Cache, CacheOutcome};

@@ -162,7 +162,7 @@ fn jpeg_ends(bytes: &[u8]) -> bool {
 }
 
 /// Linear value of an sRGB value, both in [0, 1] \[IEC61966-2-1\].
-fn linear_from_srgb(value: f64) -> f64 {
+pub(crate) fn linear_from_srgb(value: f64) -> f64 {
     if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
 }
 

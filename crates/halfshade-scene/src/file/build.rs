@@ -13,7 +13,6 @@ use crate::{
 };
 use glam::{Quat, Vec3};
 use std::ops::{Range, RangeInclusive};
-use std::path::Path;
 use std::sync::Arc;
 use toml::Spanned;
 
@@ -162,7 +161,7 @@ fn object(
     let (mesh, skin, default_name, is_plane) = match (&table.mesh, &table.shape) {
         (Some(name), None) => {
             let path = source.resolve(name.get_ref());
-            let (mesh, skin) = mesh_and_skin(source, name, &path, table.animation.as_ref(), meshes, notes)?;
+            let (mesh, skin) = mesh_and_skin(source, name, &table, meshes, notes)?;
             (mesh, skin, stem(&path), false)
         }
         (None, Some(name)) => {
@@ -172,6 +171,9 @@ fn object(
             })?;
             if let Some(animation) = &table.animation {
                 return Err(source.error(animation.span(), "animation belongs to a glTF mesh, and this is a shape"));
+            }
+            if let Some(colors) = &table.colors {
+                return Err(source.error(colors.span(), "colors belongs to a mesh file, and this is a shape"));
             }
             (Arc::new(mesh), None, name.get_ref().clone(), name.get_ref() == "plane")
         }
@@ -222,18 +224,24 @@ fn object(
 fn mesh_and_skin(
     source: &Source<'_>,
     name: &Spanned<String>,
-    path: &Path,
-    animation: Option<&Spanned<mesh::Animation>>,
+    table: &ObjectTable,
     meshes: &mut Meshes,
     notes: &mut Vec<String>,
 ) -> Result<(Arc<Mesh>, Option<Arc<Skin>>)> {
-    let key = (path.to_owned(), animation.map(|animation| animation.get_ref().clone()));
+    let path = &source.resolve(name.get_ref());
+    let (animation, colors) = (table.animation.as_ref(), table.colors.as_ref());
+    let told = colors.map(|colors| *colors.get_ref());
+    if let (Some(_), Some(colors)) = (animation, colors) {
+        let problem = "vertex colours of a glTF, which alone has animations, are linear by its specification";
+        return Err(source.error(colors.span(), problem).with_remedy("leave `colors` out"));
+    }
+    let key = (path.clone(), animation.map(|animation| animation.get_ref().clone()), told);
     if let Some(known) = meshes.get(&key) {
         return Ok(known.clone());
     }
     let (mesh, skin, found) = match animation {
         None => {
-            let (mesh, found) = mesh::load_with_notes(path).map_err(|error| source.named_at(name, error))?;
+            let (mesh, found) = mesh::load_with_colors(path, told).map_err(|error| source.named_at(name, error))?;
             (mesh, None, found)
         }
         Some(animation) => mesh::load_animated_with_notes(path, animation.get_ref()).map_err(|error| {
@@ -242,6 +250,10 @@ fn mesh_and_skin(
             source.error(asked_at, error.to_string())
         })?,
     };
+    if let Some(colors) = colors.filter(|_| mesh.colors.is_empty()) {
+        let problem = format!("`{}` has no vertex colours but white, so that colors has no place", stem(path));
+        return Err(source.error(colors.span(), problem));
+    }
     notes.extend(named_notes(path, found));
     let loaded = (Arc::new(mesh), skin.map(Arc::new));
     meshes.insert(key, loaded.clone());
@@ -349,6 +361,7 @@ fn animation(source: &Source<'_>, table: Option<AnimationTable>, last_key: f64) 
 mod tests {
     use super::*;
     use crate::{LafortuneLobe, Reflectance, light::DistantLight};
+    use std::path::Path;
 
     fn read(text: &str) -> Result<Scene> {
         let source = Source::new(Path::new("folder/s.toml"), text);

@@ -30,6 +30,7 @@ pub(super) struct ObjectTable {
     pub(super) mesh: At<String>,
     pub(super) shape: At<String>,
     pub(super) animation: At<crate::mesh::Animation>,
+    pub(super) colors: At<crate::mesh::ColorEncoding>,
     pub(super) albedo: At<[f32; 3]>,
     pub(super) albedo_texture: At<String>,
     pub(super) reflectance: At<ReflectanceTable>,
@@ -122,6 +123,8 @@ pub(super) struct AnimationTable {
     pub(super) frame_count: At<i64>,
 }
 
-/// Meshes read so far, by path and animation: objects that share both share the mesh and its skin.
-pub(super) type Meshes =
-    BTreeMap<(PathBuf, Option<crate::mesh::Animation>), (Arc<crate::Mesh>, Option<Arc<crate::Skin>>)>;
+/// What a mesh is read from, and how.
+pub(super) type MeshKey = (PathBuf, Option<crate::mesh::Animation>, Option<crate::mesh::ColorEncoding>);
+
+/// Meshes read so far: objects that share all of the key share the mesh and its skin.
+pub(super) type Meshes = BTreeMap<MeshKey, (Arc<crate::Mesh>, Option<Arc<crate::Skin>>)>;

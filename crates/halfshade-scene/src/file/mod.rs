@@ -12,6 +12,8 @@
 //! name = "bunny"                    # default: the mesh's or the shape's name
 //! # animation = 0                   # or = "walk": the animation, by number or name, of a glTF with a skin that deforms the
 //! #                                 # object; without it the mesh stays as the file has it. See mesh::load_animated
+//! # colors = "srgb"                 # or "linear": how the mesh's vertex colours are encoded; default: whole numbers (PLY's
+//! #                                 # bytes) are sRGB, floating-point ones and a glTF's linear
 //! albedo = [0.7, 0.5, 0.4]          # in [0, 1]; default 0.8
 //! albedo_texture = "bunny.png"      # PNG or JPEG, multiplies the albedo; for meshes with texture coordinates, in place
 //!                                   # of the textures that a glTF brings
@@ -57,7 +59,7 @@ mod framing;
 mod reflectance;
 mod source;
 
-use crate::{Environment, Material, Motion, Object, Pose, Scene, SceneError, builtin, input, mesh};
+use crate::{Environment, Material, Motion, Object, Pose, Scene, SceneError, builtin, mesh, text};
 use glam::Vec3;
 use source::Source;
 use std::path::Path;
@@ -74,8 +76,7 @@ pub const DEFAULT_FRAMES_PER_SEC: f64 = 30.0;
 
 /// Reads a scene file and all that it names; sphere sets are not built yet.
 pub fn load(path: &Path) -> Result<Scene, SceneError> {
-    let text = input::read_to_string(path)
-        .map_err(|error| SceneError::new(format!("cannot be read: {error}")).in_file(path))?;
+    let text = text::read(path)?;
     let source = Source::new(path, &text);
     let document = source.parse()?;
     build::scene(&source, document)

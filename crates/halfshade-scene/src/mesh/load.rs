@@ -1,7 +1,7 @@
 //! Mesh files: which loader reads what.
 
-use super::assemble::{Assembled, LARGEST_COORDINATE, RawMesh, assemble};
-use super::{Mesh, gltf, obj, ply};
+use super::assemble::{Assembled, LARGEST_COORDINATE, assemble};
+use super::{ColorEncoding, Mesh, gltf, obj, ply};
 use crate::{SceneError, Skin};
 use serde::Deserialize;
 use std::fmt;
@@ -12,7 +12,7 @@ pub const EXTENSIONS: &[&str] = &["obj", "ply", "gltf", "glb"];
 
 /// Reads a mesh file: OBJ, PLY (ASCII, binary of both byte orders), glTF or GLB, by extension.
 ///
-/// All objects of the file become one mesh. Polygons are cut into fans of triangles, which suits convex ones. The mesh
+/// All objects of the file become one mesh. Polygons are cut into triangles that keep their area. The mesh
 /// is repaired as [`super::repaired`] says, unused vertices go, and vertices equal in everything become one. Normals are
 /// the file's, made unit length; where a file has none or has useless ones, [`super::smooth_normals`] fill in, except that
 /// a glTF's primitives without normals are flat. Of materials a glTF's base colour is read, factor and texture, and what
@@ -26,19 +26,40 @@ pub fn load(path: &Path) -> Result<Mesh, SceneError> {
 
 /// Like [`load`], with what was left out, guessed or repaired, for people.
 pub fn load_with_notes(path: &Path) -> Result<(Mesh, Vec<String>), SceneError> {
-    let read: fn(&Path, &[u8]) -> Result<RawMesh, SceneError> = match extension(path).as_str() {
-        "obj" => |_, bytes| obj::parse(bytes),
-        "ply" => |_, bytes| ply::parse(bytes),
-        "gltf" | "glb" => gltf::parse,
-        extension => {
-            return Err(SceneError::new(format!("`.{extension}` is no mesh format known here"))
-                .with_remedy(format!("use one of: .{}", EXTENSIONS.join(", .")))
-                .in_file(path));
-        }
+    load_with_colors(path, None)
+}
+
+/// Like [`load_with_notes`], with vertex colours encoded as `colors` says, instead of as the format's numbers tell: whole
+/// ones as sRGB, floating-point ones as linear.
+pub fn load_with_colors(path: &Path, colors: Option<ColorEncoding>) -> Result<(Mesh, Vec<String>), SceneError> {
+    check_extension(path)?;
+    parse(path, &bytes_of(path)?, colors)
+}
+
+/// Like [`load_with_colors`], from a file's bytes. The path tells the format, and where files are that it names.
+///
+/// Memory stays below some 100 times the number of bytes, whatever they say: what a header declares is held against them.
+pub fn parse(path: &Path, bytes: &[u8], colors: Option<ColorEncoding>) -> Result<(Mesh, Vec<String>), SceneError> {
+    let about = |error: SceneError| error.in_file(path);
+    check_extension(path)?;
+    let raw = match (extension(path).as_str(), colors) {
+        ("obj", _) => obj::parse(bytes, colors),
+        ("ply", _) => ply::parse(bytes, colors),
+        (_, None) => gltf::parse(path, bytes),
+        (_, Some(_)) => Err(SceneError::new("vertex colours of a glTF are linear by its specification")
+            .with_remedy("leave `colors` out")),
     };
-    let bytes = bytes_of(path)?;
-    let Assembled { mesh, notes, .. } = read(path, &bytes).and_then(assemble).map_err(|error| error.in_file(path))?;
+    let Assembled { mesh, notes, .. } = raw.and_then(assemble).map_err(about)?;
     Ok((mesh, notes))
+}
+
+fn check_extension(path: &Path) -> Result<(), SceneError> {
+    match extension(path).as_str() {
+        known if EXTENSIONS.contains(&known) => Ok(()),
+        extension => Err(SceneError::new(format!("`.{extension}` is no mesh format known here"))
+            .with_remedy(format!("use one of: .{}", EXTENSIONS.join(", .")))
+            .in_file(path)),
+    }
 }
 
 /// One of the animations of a glTF file.

@@ -1,6 +1,8 @@
 //! Triangle meshes in object space: loading, welding, repair, normals.
 
 mod assemble;
+mod colors;
+mod corners;
 mod cutout;
 mod gltf;
 mod load;
@@ -8,12 +10,17 @@ mod normals;
 mod obj;
 mod orient;
 mod ply;
+mod polygon;
 mod repair;
 mod topology;
 mod weld;
+mod words;
 
+pub use colors::ColorEncoding;
 pub use cutout::AlphaMask;
-pub use load::{Animation, EXTENSIONS, load, load_animated, load_animated_with_notes, load_with_notes};
+pub use load::{
+    Animation, EXTENSIONS, load, load_animated, load_animated_with_notes, load_with_colors, load_with_notes, parse,
+};
 pub use normals::smooth_normals;
 pub use repair::repaired;
 pub use topology::{Body, Topology};

@@ -1,188 +1,417 @@
-//! Wavefront OBJ, read with `tobj`.
+//! Wavefront OBJ.
 //!
-//! Only geometry is read: positions (with colours, where a line has six numbers), normals, texture coordinates and
-//! faces. Texture coordinates count only where every corner has some. Lines of all other kinds, materials among them, are blanked before `tobj` sees them; what remains is checked first, because `tobj`
-//! names no lines and takes a face cut short for a line or a point.
+//! Geometry is read: positions (`v`, with colours where a line has six numbers), normals, texture coordinates and faces.
+//! Names, groups, materials and hints for display are passed over. What else the format has, points, lines and free-form
+//! surfaces among it, is left out with a note, and a line that nothing is known of is an error if it has any digit:
+//! it may be geometry in disguise. Texture coordinates count only where every corner has some.
 
-use super::assemble::RawMesh;
-use crate::SceneError;
+use super::assemble::{LARGEST_COORDINATE, RawMesh};
+use super::colors::{ColorEncoding, ColorNumbers, FileColors};
+use super::corners::{Corner, Corners};
+use super::polygon::Cutter;
+use super::words::{Words, number, remedy_for, shown};
+use crate::{SceneError, text};
 use glam::Vec3;
-use std::io::{BufRead, Read};
+use std::collections::BTreeMap;
 
-pub(super) fn parse(bytes: &[u8]) -> Result<RawMesh, SceneError> {
-    // Comments and names may be in any encoding; numbers are ASCII.
-    let text = String::from_utf8_lossy(bytes);
-    let geometry = checked_geometry(&text)?;
-    let mut lines = Lines { rest: geometry.text.as_bytes(), line: 0 };
-    let options = tobj::LoadOptions { triangulate: true, single_index: true, ignore_points: true, ignore_lines: true };
-    let (models, _) = tobj::load_obj_buf(&mut lines, &options, |_| Err(tobj::LoadError::OpenFileFailed))
-        .map_err(|error| SceneError::new(error.to_string()).at_line(lines.line))?;
-    let mut raw = RawMesh::default();
-    let vectors = |flat: &[f32]| flat.chunks_exact(3).map(Vec3::from_slice).collect::<Vec<_>>();
-    for tobj::Model { mesh, .. } in models {
-        let offset = raw.positions.len() as u32;
-        raw.positions.extend(vectors(&mesh.positions));
-        let count = raw.positions.len();
-        // A list of another length belongs to a file in which only some corners have normals, or colours.
-        if mesh.normals.len() == mesh.positions.len() {
-            raw.normals.resize(offset as usize, Vec3::ZERO);
-            raw.normals.extend(vectors(&mesh.normals));
-        }
-        raw.normals.resize(if raw.normals.is_empty() { 0 } else { count }, Vec3::ZERO);
-        if mesh.vertex_color.len() == mesh.positions.len() {
-            raw.colors.resize(offset as usize, Vec3::ONE);
-            raw.colors.extend(vectors(&mesh.vertex_color).iter().map(|c| c.clamp(Vec3::ZERO, Vec3::ONE)));
-        }
-        raw.colors.resize(if raw.colors.is_empty() { 0 } else { count }, Vec3::ONE);
-        if 3 * mesh.texcoords.len() == 2 * mesh.positions.len() {
-            // OBJ counts v from the bottom.
-            raw.texture_coordinates.resize(offset as usize, Vec3::ZERO);
-            raw.texture_coordinates.extend(mesh.texcoords.chunks_exact(2).map(|uv| Vec3::new(uv[0], 1.0 - uv[1], 0.0)));
-        }
-        raw.texture_coordinates.resize(if raw.texture_coordinates.is_empty() { 0 } else { count }, Vec3::ZERO);
-        raw.triangles.extend(mesh.indices.chunks_exact(3).map(|t| [t[0] + offset, t[1] + offset, t[2] + offset]));
+/// Statements without any effect on the surface: names, groups, materials, display, and what belongs to statements of
+/// [`LEFT_OUT`] and means nothing without them.
+const PASSED_OVER: &[&str] = &[
+    "o",
+    "g",
+    "s",
+    "mg",
+    "usemtl",
+    "mtllib",
+    "usemap",
+    "maplib",
+    "bevel",
+    "c_interp",
+    "d_interp",
+    "shadow_obj",
+    "trace_obj",
+    "ctech",
+    "stech",
+    "vp",
+    "cstype",
+    "deg",
+    "bmat",
+    "step",
+    "parm",
+    "trim",
+    "hole",
+    "scrv",
+    "sp",
+    "end",
+    "con",
+    "res",
+];
+
+/// Statements with geometry, or with a say in which geometry there is, that isn't read.
+const LEFT_OUT: &[&str] = &["p", "l", "curv", "curv2", "surf", "bsp", "bzp", "cdc", "cdp", "lod", "call", "csh"];
+
+/// Most of anything that indices can number.
+const MOST: usize = u32::MAX as usize - 1;
+
+pub(super) fn parse(bytes: &[u8], told: Option<ColorEncoding>) -> Result<RawMesh, SceneError> {
+    let bytes = text::without_mark(bytes)?;
+    let mut reader = Reader::new(bytes);
+    while !reader.words.is_at_end() {
+        reader.statement()?;
     }
-    if raw.triangles.is_empty() {
-        return Err(SceneError::new("the mesh has no triangles").with_remedy("is the file complete?"));
-    }
-    if geometry.unused_positions && !geometry.ends_with_newline {
-        return Err(SceneError::new("the file ends in the middle of a line and faces are missing: it was cut short")
-            .at_line(text.lines().count()));
-    }
-    Ok(raw)
+    reader.check_indices()?;
+    reader.check_end(bytes)?;
+    reader.into_mesh(told)
 }
 
-/// The lines of a file that matter, others blank, and what was noticed about them.
-struct Geometry {
-    text: String,
-    unused_positions: bool,
-    ends_with_newline: bool,
+/// What has been read so far.
+struct Reader<'a> {
+    words: Words<'a>,
+    positions: Vec<Vec3>,
+    /// Where each position stands; empty without colours, which alone may be found wrong later.
+    lines: Vec<usize>,
+    /// Empty, or one per position.
+    colors: Vec<Option<Vec3>>,
+    normals: Vec<Vec3>,
+    coordinates: Vec<[f32; 2]>,
+    corners: Vec<Corner>,
+    /// Where the corners of each face end.
+    ends: Vec<usize>,
+    /// The largest index of a position, a texture coordinate, a normal, each with its line: indices may name what comes
+    /// later in the file.
+    largest: [(i64, usize); 3],
+    /// Normals without a direction, vertex colours with alpha, statements left out: how many, and the first one's line.
+    noticed: BTreeMap<String, (usize, usize)>,
 }
 
-/// Checks every line on which a mesh depends.
-fn checked_geometry(text: &str) -> Result<Geometry, SceneError> {
-    let mut kept = String::with_capacity(text.len());
-    let mut positions = 0_i64;
-    let mut normals = 0_i64;
-    let mut coordinates = 0_i64;
-    let mut used = Vec::new();
-    // Indices may name what comes later in the file: checked at the end.
-    let (mut largest, mut largest_normal, mut largest_coordinate) = ((0, 0), (0, 0), (0, 0));
-    for (line, content) in (1..).zip(text.lines()) {
-        let wrong = |problem: String| SceneError::new(problem).at_line(line);
-        let mut words = content.split_whitespace();
-        match words.next() {
-            Some(kind @ ("v" | "vn" | "vt")) => {
-                let mut kept_suffix = "";
-                let mut numbers = words.take_while(|word| !word.starts_with('#')).map(str::parse::<f32>);
-                let axes: &[&str] = if kind == "vt" { &["u", "v"] } else { &["x", "y", "z"] };
-                for axis in axes {
-                    match numbers.next() {
-                        // A normal of no use is replaced later; a position of no use can't be.
-                        Some(Ok(x)) if x.is_finite() || kind == "vn" => {}
-                        Some(_) => {
-                            return Err(wrong(format!("{axis} is not a finite number in `{}`", shortened(content))));
-                        }
-                        // A coordinate along a line has no v.
-                        None if *axis == "v" => kept_suffix = " 0",
-                        None => return Err(wrong(format!("{axis} is missing in `{}`", shortened(content)))),
-                    }
-                }
-                *(match kind {
-                    "v" => &mut positions,
-                    "vn" => &mut normals,
-                    _ => &mut coordinates,
-                }) += 1;
-                kept.push_str(content.split('#').next().unwrap_or_default());
-                kept.push_str(kept_suffix);
+impl<'a> Reader<'a> {
+    fn new(bytes: &'a [u8]) -> Self {
+        Self {
+            words: Words::new(bytes, 1),
+            positions: Vec::new(),
+            lines: Vec::new(),
+            colors: Vec::new(),
+            normals: Vec::new(),
+            coordinates: Vec::new(),
+            corners: Vec::new(),
+            ends: Vec::new(),
+            largest: [(0, 0); 3],
+            noticed: BTreeMap::new(),
+        }
+    }
+
+    /// Reads a statement and goes to the start of the next one.
+    fn statement(&mut self) -> Result<(), SceneError> {
+        let Some(mut keyword) = self.words.continued_word() else {
+            self.words.next_line();
+            return Ok(());
+        };
+        // A file may be several that were joined.
+        if let Some(rest) = keyword.strip_prefix(b"\xef\xbb\xbf") {
+            keyword = rest;
+        }
+        match keyword {
+            b"v" => self.position()?,
+            b"vn" => self.normal()?,
+            b"vt" => self.coordinate()?,
+            b"f" | b"fo" => self.face()?,
+            b"" => {}
+            _ => return self.other(keyword),
+        }
+        self.words.next_line();
+        Ok(())
+    }
+
+    fn position(&mut self) -> Result<(), SceneError> {
+        // x, y, z and w, or x, y, z, colour and perhaps alpha.
+        let (values, count) = self.numbers::<7>(&["x", "y", "z", "a value", "a value", "a value", "a value"], 3)?;
+        let position = Vec3::from_slice(&values);
+        if !position.is_finite() {
+            let axis = ["x", "y", "z"][(0..3).find(|&axis| !position[axis].is_finite()).unwrap_or(0)];
+            return Err(self.wrong(format!("{axis} is not a finite number")));
+        }
+        if position.abs().max_element() > LARGEST_COORDINATE {
+            return Err(self.wrong("the vertex lies too far out to compute with".to_owned()));
+        }
+        match count {
+            4 if values[3] != 1.0 => {
+                return Err(self
+                    .wrong("the vertex has a weight (a fourth number) other than 1".to_owned())
+                    .with_remedy("programs read it in different ways: export three coordinates"));
             }
-            Some("f") => {
-                kept.push('f');
-                let mut corners = 0;
-                for word in words.take_while(|word| !word.starts_with('#')) {
-                    let mut parts =
-                        word.split('/').map(|part| if part.is_empty() { Ok(0) } else { part.parse::<i64>() });
-                    let (v, vt, vn) = (parts.next(), parts.next(), parts.next());
-                    let (Some(Ok(v)), Ok(vt), Ok(vn), None) =
-                        (v, vt.unwrap_or(Ok(0)), vn.unwrap_or(Ok(0)), parts.next())
-                    else {
-                        return Err(wrong(format!("`{}` is no corner of a face", shortened(word))));
-                    };
-                    let v = if v < 0 { positions.saturating_add(v).saturating_add(1) } else { v };
-                    let vn = if vn < 0 { normals.saturating_add(vn).saturating_add(1).max(-1) } else { vn };
-                    let vt = if vt < 0 { coordinates.saturating_add(vt).saturating_add(1).max(-1) } else { vt };
-                    if v <= 0 || vn < 0 || vt < 0 {
-                        return Err(wrong(format!("`{}` names a vertex before the first", shortened(word))));
-                    }
-                    largest = largest.max((v, line));
-                    largest_normal = largest_normal.max((vn, line));
-                    largest_coordinate = largest_coordinate.max((vt, line));
-                    used.push(v);
-                    let named = |index: i64| if index == 0 { String::new() } else { index.to_string() };
-                    kept.push_str(&format!(" {v}/{}/{}", named(vt), named(vn)));
-                    corners += 1;
-                }
-                if corners < 3 {
-                    return Err(wrong(format!("a face needs three corners, this one has {corners}")));
+            5 => {
+                return Err(self.wrong("the vertex has five numbers".to_owned()).with_remedy(
+                    "a vertex has three coordinates, and perhaps a weight of 1, or a colour of three numbers",
+                ));
+            }
+            6.. => {
+                self.colors.resize(self.positions.len(), None);
+                self.lines.resize(self.positions.len(), 0);
+                self.colors.push(Some(Vec3::from_slice(&values[3..])));
+                self.lines.push(self.words.line());
+                if count == 7 && values[6] != 1.0 {
+                    self.notice("alpha of vertex colours left out, every vertex is opaque");
                 }
             }
             _ => {}
         }
-        kept.push('\n');
+        self.positions.push(position);
+        self.check_count(self.positions.len())
     }
-    for ((index, line), count, what) in [
-        (largest, positions, "vertex"),
-        (largest_normal, normals, "normal"),
-        (largest_coordinate, coordinates, "texture coordinate"),
-    ] {
-        if index > count {
-            return Err(SceneError::new(format!("{what} {index} is named, but there are only {count}")).at_line(line));
+
+    fn normal(&mut self) -> Result<(), SceneError> {
+        let (values, _) = self.numbers::<3>(&["x", "y", "z"], 3)?;
+        let mut normal = Vec3::from(values);
+        if !normal.is_finite() || normal == Vec3::ZERO {
+            self.notice("normals that are no directions, computed instead");
+            normal = Vec3::ZERO;
+        }
+        self.normals.push(normal);
+        self.check_count(self.normals.len())
+    }
+
+    fn coordinate(&mut self) -> Result<(), SceneError> {
+        // u along a line, u and v of a picture, or u, v, w of a solid texture.
+        let (values, count) = self.numbers::<3>(&["u", "v", "w"], 1)?;
+        if let Some(axis) = (0..count.min(2)).find(|&axis| !values[axis].is_finite()) {
+            return Err(self.wrong(format!("{} is not a finite number", ["u", "v"][axis])));
+        }
+        self.coordinates.push([values[0], values[1]]);
+        self.check_count(self.coordinates.len())
+    }
+
+    fn face(&mut self) -> Result<(), SceneError> {
+        let first = self.corners.len();
+        while let Some(word) = self.words.continued_word() {
+            let corner = self.corner(word)?;
+            self.corners.push(corner);
+        }
+        let count = self.corners.len() - first;
+        if count < 3 {
+            return Err(self.wrong(format!("a face needs three corners, this one has {count}")));
+        }
+        self.ends.push(self.corners.len());
+        Ok(())
+    }
+
+    /// A corner: `position`, `position/coordinate`, `position//normal` or `position/coordinate/normal`.
+    fn corner(&mut self, word: &[u8]) -> Result<Corner, SceneError> {
+        let counts = [self.positions.len(), self.coordinates.len(), self.normals.len()];
+        let mut named = [0; 3];
+        for (place, part) in word.split(|&byte| byte == b'/').enumerate() {
+            if place == 3 || (place == 0 && part.is_empty()) {
+                return Err(self.no_corner(word));
+            }
+            if part.is_empty() {
+                continue;
+            }
+            let index = whole(part).ok_or_else(|| self.no_corner(word))?;
+            // Negative ones count back from the last one read.
+            let index = if index < 0 { counts[place] as i64 + 1 + index.max(-i64::MAX / 2) } else { index };
+            if index <= 0 {
+                let problem = format!("`{}` names a vertex before the first", shown(word));
+                return Err(self.wrong(problem).with_remedy("indices count from 1"));
+            }
+            // What is larger can't exist, and is told so at the end.
+            named[place] = u32::try_from(index).unwrap_or(u32::MAX);
+            if index > self.largest[place].0 {
+                self.largest[place] = (index, self.words.line());
+            }
+        }
+        Ok(Corner { position: named[0], coordinate: named[1], normal: named[2] })
+    }
+
+    fn no_corner(&self, word: &[u8]) -> SceneError {
+        let problem = format!("`{}` is no corner of a face", shown(word));
+        self.wrong(problem).with_remedy("a corner is position/texture/normal, whole numbers that count from 1")
+    }
+
+    /// A statement of another kind.
+    fn other(&mut self, keyword: &[u8]) -> Result<(), SceneError> {
+        let is_in = |list: &[&str]| list.iter().any(|known| known.as_bytes() == keyword);
+        if is_in(LEFT_OUT) {
+            let name = shown(keyword);
+            self.notice(&format!("`{name}` left out, only faces are read"));
+        } else if !is_in(PASSED_OVER) {
+            let mut is_prose = true;
+            let mut next = Some(keyword);
+            while let Some(word) = next {
+                is_prose &= !word.iter().any(u8::is_ascii_digit);
+                next = self.words.continued_word();
+            }
+            if !is_prose {
+                let problem = format!("`{}` is no word of the OBJ format, and may be geometry", shown(keyword));
+                return Err(self
+                    .wrong(problem)
+                    .with_remedy("statements are in lower case, such as `v` and `f`, and comments begin with #"));
+            }
+            self.notice("lines without any number not understood, left out");
+        }
+        self.words.next_line_after_names();
+        Ok(())
+    }
+
+    /// The numbers of the statement, at least `needed` and at most N, and how many there were; the others are 0.
+    fn numbers<const N: usize>(&mut self, names: &[&str; N], needed: usize) -> Result<([f32; N], usize), SceneError> {
+        let mut values = [0.0; N];
+        let mut count = 0;
+        while let Some(word) = self.words.continued_word() {
+            if count == N {
+                return Err(self
+                    .wrong(format!("`{}` is one number too many", shown(word)))
+                    .with_remedy(remedy_for(word)));
+            }
+            values[count] = number(word).ok_or_else(|| {
+                let problem = format!("{} is not a finite number, but `{}`", names[count], shown(word));
+                self.wrong(problem).with_remedy(remedy_for(word))
+            })?;
+            count += 1;
+        }
+        if count < needed {
+            return Err(self.wrong(format!("{} is missing", names[count])));
+        }
+        Ok((values, count))
+    }
+
+    /// An error at the line, which is shown.
+    fn wrong(&self, problem: String) -> SceneError {
+        SceneError::new(format!("{problem} in `{}`", self.words.shown_line()))
+            .at_line(self.words.line())
+            .with_remedy("repair the line, or export the mesh again")
+    }
+
+    fn notice(&mut self, what: &str) {
+        let line = self.words.line();
+        match self.noticed.get_mut(what) {
+            Some((count, _)) => *count += 1,
+            None => {
+                self.noticed.insert(what.to_owned(), (1, line));
+            }
         }
     }
-    used.sort_unstable();
-    used.dedup();
-    Ok(Geometry {
-        text: kept,
-        unused_positions: (used.len() as i64) < positions,
-        ends_with_newline: text.ends_with(['\n', '\r']),
-    })
-}
 
-/// A piece of a line that fits a message.
-fn shortened(text: &str) -> String {
-    if text.chars().count() <= 60 { text.trim().to_owned() } else { text.chars().take(57).collect::<String>() + "..." }
-}
+    fn check_count(&self, count: usize) -> Result<(), SceneError> {
+        if count > MOST {
+            return Err(SceneError::new(format!("the file has more than {MOST} vertices")).at_line(self.words.line()));
+        }
+        Ok(())
+    }
 
-/// A reader that hands out one line at a time, and so knows on which line its user stopped.
-struct Lines<'a> {
-    rest: &'a [u8],
-    line: usize,
-}
+    /// Whether everything that faces name is there.
+    fn check_indices(&self) -> Result<(), SceneError> {
+        let counts = [self.positions.len(), self.coordinates.len(), self.normals.len()];
+        let names = ["vertex", "texture coordinate", "normal"];
+        for (((index, line), count), name) in self.largest.into_iter().zip(counts).zip(names) {
+            if index > count as i64 {
+                return Err(SceneError::new(format!("{name} {index} is named, but there are only {count}"))
+                    .at_line(line)
+                    .with_remedy("is the file complete?"));
+            }
+        }
+        Ok(())
+    }
 
-impl Read for Lines<'_> {
-    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-        let count = self.fill_buf()?.read(buffer)?;
-        self.consume(count);
-        Ok(count)
+    /// Whether the file is one, and whole as far as can be told.
+    fn check_end(&self, bytes: &[u8]) -> Result<(), SceneError> {
+        if self.ends.is_empty() {
+            let left_out: Vec<_> = self.noticed.keys().map(String::as_str).collect();
+            let remedy = if left_out.is_empty() {
+                "is the file complete?".to_owned()
+            } else {
+                format!("export polygons; the file has: {}", left_out.join("; "))
+            };
+            return Err(SceneError::new("the mesh has no triangles").with_remedy(remedy));
+        }
+        if bytes.ends_with(b"\n") || bytes.ends_with(b"\r") {
+            return Ok(());
+        }
+        let mut is_used = vec![false; self.positions.len()];
+        self.corners.iter().for_each(|corner| is_used[corner.position as usize - 1] = true);
+        if is_used.contains(&false) {
+            let problem = "the file ends in the middle of a line and faces are missing: it was cut short";
+            // The walk through the words has gone past the last line.
+            return Err(SceneError::new(problem).at_line(self.words.line() - 1).with_remedy("get the file again"));
+        }
+        Ok(())
+    }
+
+    fn into_mesh(mut self, told: Option<ColorEncoding>) -> Result<RawMesh, SceneError> {
+        let mut raw = RawMesh::default();
+        for (what, (count, line)) in &self.noticed {
+            raw.notes.push(format!("{what}: {count}, the first in line {line}"));
+        }
+        let bare = self.corners.iter().filter(|corner| corner.coordinate == 0).count();
+        if bare > 0 {
+            if bare < self.corners.len() {
+                let count = self.corners.len();
+                raw.notes.push(format!("texture coordinates left out: {bare} of {count} corners have none"));
+            }
+            self.corners.iter_mut().for_each(|corner| corner.coordinate = 0);
+        }
+        let colors = if self.colors.is_empty() {
+            Vec::new()
+        } else {
+            self.colors.resize(self.positions.len(), None);
+            let file_colors = FileColors { numbers: ColorNumbers::Floats, values: self.colors };
+            let (colors, note) = file_colors.linear(told, |vertex| self.lines.get(vertex).copied())?;
+            raw.notes.extend(note);
+            colors
+        };
+
+        let mut corners = Corners::new(self.positions.len());
+        let mut cutter = Cutter::default();
+        let (mut outline, mut vertices, mut pieces) = (Vec::new(), Vec::new(), Vec::new());
+        let mut first = 0;
+        for &end in &self.ends {
+            let face = &self.corners[first..end];
+            first = end;
+            vertices.clear();
+            vertices.extend(face.iter().map(|&corner| corners.vertex(corner)));
+            if let &[a, b, c] = &vertices[..] {
+                raw.triangles.push([a, b, c]);
+                continue;
+            }
+            outline.clear();
+            outline.extend(face.iter().map(|corner| self.positions[corner.position as usize - 1]));
+            pieces.clear();
+            cutter.cut(&outline, &mut pieces);
+            raw.triangles.extend(pieces.iter().map(|piece| piece.map(|corner| vertices[corner as usize])));
+        }
+        raw.notes.extend(cutter.note());
+
+        let vertices = corners.vertices();
+        let position = |corner: &Corner| corner.position as usize - 1;
+        raw.positions = vertices.iter().map(|corner| self.positions[position(corner)]).collect();
+        if !colors.is_empty() {
+            raw.colors = vertices.iter().map(|corner| colors[position(corner)]).collect();
+        }
+        // OBJ counts v from the bottom.
+        let from_top = |[u, v]: [f32; 2]| Vec3::new(u, 1.0 - v, 0.0);
+        if bare == 0 {
+            let coordinates = vertices.iter().map(|corner| self.coordinates[corner.coordinate as usize - 1]);
+            raw.texture_coordinates = coordinates.map(from_top).collect();
+        }
+        if vertices.iter().any(|corner| corner.normal > 0) {
+            let normal =
+                |corner: &Corner| (corner.normal as usize).checked_sub(1).map_or(Vec3::ZERO, |i| self.normals[i]);
+            raw.normals = vertices.iter().map(normal).collect();
+        }
+        Ok(raw)
     }
 }
 
-impl BufRead for Lines<'_> {
-    fn fill_buf(&mut self) -> std::io::Result<&[u8]> {
-        let end = self.rest.iter().position(|&byte| byte == b'\n').map_or(self.rest.len(), |i| i + 1);
-        Ok(&self.rest[..end])
-    }
-
-    fn consume(&mut self, count: usize) {
-        let (used, rest) = self.rest.split_at(count);
-        self.line += used.iter().filter(|&&byte| byte == b'\n').count();
-        self.rest = rest;
-    }
+/// A whole number.
+fn whole(word: &[u8]) -> Option<i64> {
+    std::str::from_utf8(word).ok()?.parse().ok()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn parse(bytes: &[u8]) -> Result<RawMesh, SceneError> {
+        super::parse(bytes, None)
+    }
 
     const SQUARE: &str =
         "# a square\r\nmtllib none.mtl\r\nv 0 0 0\r\nv 1 0 0\r\nv 1 1 0\r\nv 0 1 0\r\nusemtl x\r\nf 1 2 3 4\r\n";
@@ -231,7 +460,7 @@ mod tests {
             ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 x\n", 4, "no corner"),
             ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2/1 3/1\n", 4, "texture coordinate 1"),
             ("v 0 0 0\nvt nan 0\n", 2, "u is not a finite"),
-            ("v 0 0 0 1 1\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", 1, "color"),
+            ("v 0 0 0 1 1\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", 1, "five numbers"),
         ] {
             let error = parse(text.as_bytes()).unwrap_err();
             assert!(error.line == Some(line) && error.problem.contains(part), "{text:?}: {error}");

@@ -1,189 +1,164 @@
-//! Stanford PLY, ASCII and binary of both byte orders, read with `ply-rs-bw`.
+//! Stanford PLY, ASCII and binary of both byte orders.
+//!
+//! Vertices, faces and triangle strips are read, in any order; other elements are left out with a note. Of vertices:
+//! positions, normals, colours, texture coordinates; of faces: texture coordinates of corners, which win over those of
+//! vertices if all corners have some.
+
+mod faces;
+mod header;
+mod payload;
+mod vertices;
 
 use super::assemble::RawMesh;
-use crate::SceneError;
+use super::colors::ColorEncoding;
+use super::corners::{Corner, Corners};
+use super::polygon::Cutter;
+use super::words::Words;
+use crate::{SceneError, text};
+use faces::Faces;
 use glam::Vec3;
-use ply_rs_bw::parser::{ParseError, Parser, Reader};
-use ply_rs_bw::ply::{ElementDef, Encoding, Property, PropertyAccess, PropertyAccessResult};
+use header::{Element, Header};
+use payload::Payload;
+use vertices::Vertices;
 
-/// One vertex or one face: what its properties say.
-#[derive(Debug, Default)]
-struct Record {
-    position: [f64; 3],
-    normal: [f64; 3],
-    color: [f64; 3],
-    /// u, and v upward.
-    coordinate: [f64; 3],
-    corners: Option<Vec<i64>>,
-}
-
-impl PropertyAccess for Record {
-    fn new() -> Self {
-        Self::default()
-    }
-
-    fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
-        let (target, axis, is_color) = match name {
-            "x" => (&mut self.position, 0, false),
-            "y" => (&mut self.position, 1, false),
-            "z" => (&mut self.position, 2, false),
-            "nx" => (&mut self.normal, 0, false),
-            "ny" => (&mut self.normal, 1, false),
-            "nz" => (&mut self.normal, 2, false),
-            "red" | "diffuse_red" | "r" => (&mut self.color, 0, true),
-            "green" | "diffuse_green" | "g" => (&mut self.color, 1, true),
-            "blue" | "diffuse_blue" | "b" => (&mut self.color, 2, true),
-            "u" | "s" | "texture_u" => (&mut self.coordinate, 0, false),
-            "v" | "t" | "texture_v" => (&mut self.coordinate, 1, false),
-            "vertex_indices" | "vertex_index" => {
-                self.corners = whole_numbers(property);
-                return if self.corners.is_some() {
-                    PropertyAccessResult::Set
-                } else {
-                    PropertyAccessResult::UnsupportedType
-                };
+pub(super) fn parse(bytes: &[u8], told: Option<ColorEncoding>) -> Result<RawMesh, SceneError> {
+    let mut words = Words::new(text::without_mark(bytes)?, 1);
+    let header = Header::read(&mut words)?;
+    let vertex_count = check_elements(&header)?;
+    let mut payload = Payload::new(words, header.format);
+    let mut vertices = Vertices::default();
+    let mut faces = Faces::default();
+    let mut notes = Vec::new();
+    for element in &header.elements {
+        payload.check_count(element)?;
+        match element.name.as_str() {
+            "vertex" => vertices = Vertices::read(&mut payload, element)?,
+            "face" | "tristrips" => faces.read(&mut payload, element, vertex_count)?,
+            name => {
+                skip(&mut payload, element)?;
+                if element.count > 0 {
+                    notes
+                        .push(format!("elements `{name}` left out, only faces and strips are read: {}", element.count));
+                }
             }
-            _ => return PropertyAccessResult::Ignored,
-        };
-        let (value, full) = match property {
-            Property::Char(x) => (x.into(), f64::from(i8::MAX)),
-            Property::UChar(x) => (x.into(), f64::from(u8::MAX)),
-            Property::Short(x) => (x.into(), f64::from(i16::MAX)),
-            Property::UShort(x) => (x.into(), f64::from(u16::MAX)),
-            Property::Int(x) => (x.into(), f64::from(i32::MAX)),
-            Property::UInt(x) => (x.into(), f64::from(u32::MAX)),
-            Property::Float(x) => (x.into(), 1.0),
-            Property::Double(x) => (x, 1.0),
-            _ => return PropertyAccessResult::UnsupportedType,
-        };
-        target[axis] = if is_color { (value / full).clamp(0.0, 1.0) } else { value };
-        PropertyAccessResult::Set
-    }
-}
-
-/// A list of whole numbers of any width.
-fn whole_numbers(property: Property) -> Option<Vec<i64>> {
-    fn widened<T: Into<i64>>(list: Vec<T>) -> Vec<i64> {
-        list.into_iter().map(Into::into).collect()
-    }
-    match property {
-        Property::ListChar(list) => Some(widened(list)),
-        Property::ListUChar(list) => Some(widened(list)),
-        Property::ListShort(list) => Some(widened(list)),
-        Property::ListUShort(list) => Some(widened(list)),
-        Property::ListInt(list) => Some(widened(list)),
-        Property::ListUInt(list) => Some(widened(list)),
-        _ => None,
-    }
-}
-
-pub(super) fn parse(bytes: &[u8]) -> Result<RawMesh, SceneError> {
-    let parser = Parser::<Record>::new();
-    let mut reader = Reader::new(bytes);
-    let header = parser.read_header(&mut reader).map_err(described)?;
-    let ascii = header.encoding == Encoding::Ascii;
-    let vertices =
-        header.elements.get("vertex").ok_or_else(|| SceneError::new("the header declares no element `vertex`"))?;
-    for axis in ["x", "y", "z"] {
-        if !vertices.properties.contains_key(axis) {
-            return Err(SceneError::new(format!("the header declares no property `{axis}` for the vertices")));
         }
     }
-    let has = |name: &str| vertices.properties.contains_key(name);
-    let has_normals = has("nx") && has("ny") && has("nz");
-    let has_colors = ["red", "diffuse_red", "r"].iter().any(|name| has(name));
-    let has_coordinates = [["u", "v"], ["s", "t"], ["texture_u", "texture_v"]].iter().any(|[u, v]| has(u) && has(v));
-    if !header.elements.contains_key("face") {
-        return Err(SceneError::new("the header declares no element `face`")
-            .with_remedy("triangle strips and point clouds are not supported; export polygons"));
-    }
-
-    let mut raw = RawMesh::default();
-    for (name, element) in &header.elements {
-        check_count(element, reader.get_ref().len())?;
-        let first_line = reader.line();
-        let records = parser.read_payload_for_element(&mut reader, element, &header).map_err(|error| {
-            let error = described(error);
-            // In binary data what is counted as a line is none.
-            if ascii { error } else { SceneError { line: None, ..error } }
-        })?;
-        let vector = |[x, y, z]: [f64; 3]| Vec3::new(x as f32, y as f32, z as f32);
-        match name.as_str() {
-            "vertex" => {
-                raw.positions = records.iter().map(|record| vector(record.position)).collect();
-                if has_normals {
-                    raw.normals = records.iter().map(|record| vector(record.normal)).collect();
-                }
-                if has_colors {
-                    raw.colors = records.iter().map(|record| vector(record.color)).collect();
-                }
-                if has_coordinates {
-                    let from_top = |[u, v, _]: [f64; 3]| Vec3::new(u as f32, (1.0 - v) as f32, 0.0);
-                    raw.texture_coordinates = records.iter().map(|record| from_top(record.coordinate)).collect();
-                }
-                if ascii {
-                    raw.lines = (first_line..).take(records.len()).collect();
-                }
-            }
-            "face" => {
-                for (index, record) in records.iter().enumerate() {
-                    fan(record, vertices.count, &mut raw.triangles).map_err(|problem| {
-                        let error = SceneError::new(format!("face {index} {problem}"));
-                        if ascii { error.at_line(first_line + index) } else { error }
-                    })?;
-                }
-            }
-            _ => {}
-        }
-    }
+    notes.extend(payload.check_end()?);
+    let mut raw = mesh_of(vertices, faces, told)?;
+    raw.notes.splice(0..0, notes);
     Ok(raw)
 }
 
-/// Refuses a count that the rest of the file cannot hold, before anything is read that often.
-fn check_count(element: &ElementDef, bytes_left: usize) -> Result<(), SceneError> {
-    if element.count > bytes_left || (element.count > 0 && element.properties.is_empty()) {
-        return Err(SceneError::new(format!(
-            "{} elements `{}` are declared, but only {bytes_left} bytes follow: the file was cut short or its header is wrong",
-            element.count, element.name
-        )));
+/// The number of vertices of a header that has all that a mesh needs.
+fn check_elements(header: &Header) -> Result<usize, SceneError> {
+    let named = |name: &'static str| header.elements.iter().filter(move |element| element.name == name);
+    let mut vertices = named("vertex");
+    let count = vertices.next().ok_or_else(|| SceneError::new("the header declares no element `vertex`"))?.count;
+    if vertices.next().is_some() {
+        return Err(
+            SceneError::new("the header declares the element `vertex` twice").with_remedy("export the mesh again")
+        );
+    }
+    if named("face").chain(named("tristrips")).next().is_none() {
+        let there = header.elements.iter().map(|element| element.name.as_str()).collect::<Vec<_>>().join(", ");
+        return Err(SceneError::new(format!("the header declares no element `face`, only: {there}"))
+            .with_remedy("point clouds, edges and grids are not supported; export polygons"));
+    }
+    Ok(count)
+}
+
+/// Reads elements and forgets them.
+fn skip(payload: &mut Payload<'_>, element: &Element) -> Result<(), SceneError> {
+    for _ in 0..element.count {
+        payload.begin();
+        for property in &element.properties {
+            let count = match property.length {
+                Some(length) => payload.length(length, property.of, &property.name)?,
+                None => 1,
+            };
+            for _ in 0..count {
+                payload.number(property.of, &property.name)?;
+            }
+        }
+        payload.end()?;
     }
     Ok(())
 }
 
-/// Cuts a face into triangles.
-fn fan(face: &Record, vertex_count: usize, triangles: &mut Vec<[u32; 3]>) -> Result<(), String> {
-    let corners = face.corners.as_deref().ok_or("has no property `vertex_indices`")?;
-    if corners.len() < 3 {
-        return Err(format!("has {} corners instead of at least three", corners.len()));
+/// The mesh of what was read.
+fn mesh_of(vertices: Vertices, faces: Faces, told: Option<ColorEncoding>) -> Result<RawMesh, SceneError> {
+    let Vertices { positions, normals, colors, coordinates, lines, mut notes } = vertices;
+    let Faces { corners, ends, coordinates: of_corners, mut coordinate_of, notes: of_faces, .. } = faces;
+    notes.extend(of_faces);
+    if corners.len() > u32::MAX as usize {
+        return Err(SceneError::new("the file has more corners of faces than can be counted"));
     }
-    let index = |corner: i64| {
-        u32::try_from(corner)
-            .ok()
-            .filter(|&v| (v as usize) < vertex_count)
-            .ok_or_else(|| format!("names vertex {corner}, but there are {vertex_count}, counted from 0"))
+    let colors = match colors {
+        Some(colors) => {
+            let (colors, note) = colors.linear(told, |vertex| lines.get(vertex).copied())?;
+            notes.extend(note);
+            colors
+        }
+        None => Vec::new(),
     };
-    let first = index(corners[0])?;
-    for pair in corners[1..].windows(2) {
-        triangles.push([first, index(pair[0])?, index(pair[1])?]);
-    }
-    Ok(())
-}
+    // PLY counts v from the bottom.
+    let from_top = |[u, v]: [f64; 2]| Vec3::new(u as f32, (1.0 - v) as f32, 0.0);
+    let texture_coordinates = coordinates.into_iter().map(from_top).collect();
+    let mut raw = RawMesh { positions, normals, colors, texture_coordinates, lines, notes, ..RawMesh::default() };
 
-/// The parser's error as ours: its first line says what is wrong.
-fn described(error: ParseError) -> SceneError {
-    let text = error.to_string();
-    let text = text.lines().next().unwrap_or_default();
-    let problem = error.line().and_then(|line| text.strip_prefix(&format!("Line {line}: "))).unwrap_or(text);
-    let result = SceneError::new(problem.trim_end_matches('.'));
-    match error.line() {
-        Some(line) => result.at_line(line),
-        None => result,
+    let mut cutter = Cutter::default();
+    let mut outline = Vec::new();
+    // Numbers of corners first.
+    let mut first = 0;
+    for &end in &ends {
+        if end - first == 3 {
+            raw.triangles.push([0, 1, 2].map(|corner| first as u32 + corner));
+        } else {
+            outline.clear();
+            outline.extend(corners[first..end].iter().map(|&vertex| raw.positions[vertex as usize]));
+            let before = raw.triangles.len();
+            cutter.cut(&outline, &mut raw.triangles);
+            raw.triangles[before..].iter_mut().flatten().for_each(|corner| *corner += first as u32);
+        }
+        first = end;
     }
+    raw.notes.extend(cutter.note());
+
+    coordinate_of.resize(if of_corners.is_empty() { 0 } else { corners.len() }, 0);
+    let bare = coordinate_of.iter().filter(|&&number| number == 0).count();
+    if bare > 0 {
+        raw.notes
+            .push(format!("texture coordinates of corners left out: {bare} of {} corners have none", corners.len()));
+    }
+    if of_corners.is_empty() || bare > 0 {
+        raw.triangles.iter_mut().flatten().for_each(|corner| *corner = corners[*corner as usize]);
+        return Ok(raw);
+    }
+    let mut split = Corners::new(raw.positions.len());
+    raw.triangles.iter_mut().flatten().for_each(|corner| {
+        let place = *corner as usize;
+        *corner = split.vertex(Corner { position: corners[place] + 1, coordinate: coordinate_of[place], normal: 0 });
+    });
+    fn chosen<T: Copy>(values: &[T], split: &Corners) -> Vec<T> {
+        let of_vertex = |corner: &Corner| values.get(corner.position as usize - 1).copied();
+        split.vertices().iter().filter_map(of_vertex).collect()
+    }
+    raw.positions = chosen(&raw.positions, &split);
+    raw.normals = chosen(&raw.normals, &split);
+    raw.colors = chosen(&raw.colors, &split);
+    raw.lines = chosen(&raw.lines, &split);
+    let coordinates = split.vertices().iter().map(|corner| of_corners[corner.coordinate as usize - 1]);
+    raw.texture_coordinates = coordinates.map(from_top).collect();
+    Ok(raw)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn parse(bytes: &[u8]) -> Result<RawMesh, SceneError> {
+        super::parse(bytes, None)
+    }
 
     const HEADER: &str = "element vertex 4\nproperty float x\nproperty double y\nproperty short z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
 
@@ -216,7 +191,9 @@ mod tests {
             let raw = parse(&bytes).unwrap();
             assert_eq!(raw.positions, [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y]);
             assert_eq!(raw.triangles, [[0, 1, 2], [0, 2, 3]]);
-            assert_eq!((raw.colors[0], raw.colors[3]), (Vec3::X, Vec3::splat(0.2)));
+            // Bytes are sRGB: 51 is a fifth of 255, and [(0.2 + 0.055) / 1.055]^2.4 of white.
+            assert_eq!(raw.colors[0], Vec3::X);
+            assert!(raw.colors[3].abs_diff_eq(Vec3::splat(0.033_104_8), 1e-6), "{}", raw.colors[3]);
         }
     }
 
