@@ -89,6 +89,22 @@ fn only_the_harness_looks_at_the_clock() {
 }
 
 #[test]
+fn every_input_is_read_where_it_is_recorded() {
+    let scene = root().join("crates/halfshade-scene/src");
+    for (path, text) in sources(&scene) {
+        let relative = path.strip_prefix(&scene).expect("below the crate");
+        // What a cache holds was computed from input that is recorded.
+        let exempt = relative == Path::new("input.rs") || relative == Path::new("cache.rs");
+        let is_test = path.file_stem().is_some_and(|stem| stem == "tests");
+        let code = text.split("#[cfg(test)]").next().unwrap_or("");
+        for reading in ["fs::read", "File::open", "OpenOptions", "import_buffers", "image::open"] {
+            let what = format!("{} reads a file past `input::read`: {reading}", path.display());
+            assert!(exempt || is_test || !code.contains(reading), "{what}");
+        }
+    }
+}
+
+#[test]
 fn strategies_never_import_each_other() {
     let folder = root().join("crates/halfshade-strategies/src");
     let strategies: Vec<String> = std::fs::read_dir(&folder)
