@@ -79,7 +79,9 @@ fn only_the_harness_looks_at_the_clock() {
     for (path, text) in sources(&crates) {
         let relative = path.strip_prefix(&crates).expect("below crates");
         let exempt = relative.starts_with("halfshade-harness")
-            || relative.components().any(|part| matches!(part.as_os_str().to_str(), Some("benches" | "examples" | "tests")));
+            || relative
+                .components()
+                .any(|part| matches!(part.as_os_str().to_str(), Some("benches" | "examples" | "tests")));
         // Tests, which come last in a file or have files of their own, may time themselves.
         let code = text.split("#[cfg(test)]").next().unwrap_or("");
         for clock in ["Instant::now", "SystemTime::now"] {
