@@ -92,7 +92,7 @@ impl Traced {
             }),
         };
         vec![
-            ("unshadowed", mixed(&|_, unshadowed, _| unshadowed)),
+            ("no-shadows", mixed(&|_, unshadowed, _| unshadowed)),
             ("light", mixed(&|exact, unshadowed, _| 0.7 * exact + 0.3 * unshadowed)),
             ("bright", mixed(&|exact, _, _| 1.1 * exact)),
             ("ringing", mixed(&|exact, unshadowed, i| exact + 0.1 * unshadowed * (1.7 * i as f32).sin())),
