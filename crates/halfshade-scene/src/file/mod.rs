@@ -10,8 +10,8 @@
 //! [[object]]
 //! mesh = "bunny.obj"                # or shape = "sphere"|"plane"|"box"|..: see builtin::SHAPES
 //! name = "bunny"                    # default: the mesh's or the shape's name
-//! # animation = 0                   # or = "walk": the animation, by number or name, of a glTF with a skin that deforms the
-//! #                                 # object; without it the mesh stays as the file has it. See mesh::load_animated
+//! # animation = 0                   # or = "walk": the animation, by number or name, of a glTF whose skins or morph targets
+//! #                                 # deform the object; without it the mesh stays as the file has it. See mesh::load_animated
 //! # colors = "srgb"                 # or "linear": how the mesh's vertex colours are encoded; default: whole numbers (PLY's
 //! #                                 # bytes) are sRGB, floating-point ones and a glTF's linear
 //! albedo = [0.7, 0.5, 0.4]          # in [0, 1]; default 0.8

@@ -68,7 +68,7 @@ mod tests {
             coverage: vec![Vec2::X, Vec2::X, Vec2::ZERO],
             ..Mesh::default()
         };
-        for (x, z, is_cut) in [(0.1, 0.6, false), (0.1, 0.8, true), (0.75, 0.1, false), (0.55, 0.42, true)] {
+        for (x, z, is_cut) in [(0.1, 0.6, false), (0.1, 0.8, true), (0.75, 0.1, false), (0.3, 0.69, true)] {
             let of_texture = if x < 0.25 {
                 1.0
             } else if x > 0.75 {

@@ -13,8 +13,9 @@ use ::gltf::mesh::Mode;
 use ::gltf::{Accessor, Primitive, Semantic};
 use glam::{DMat3, DMat4, DVec2, DVec3, DVec4, Vec2, Vec3};
 
-/// Most vertices of all copies of all meshes together: what stands in a small file in many places must not fill memory.
-const MOST_VERTICES: usize = 1 << 25;
+/// Most vertices, and most triangles, of all copies of all meshes together: what a small file has in many places must not
+/// fill memory.
+const MOST: usize = 1 << 25;
 
 /// The number of a mask that isn't there.
 const NO_MASK: f32 = u32::MAX as f32;
@@ -178,10 +179,13 @@ impl<'a> Part<'a> {
         // A flat triangle has corners of its own.
         let sources: Vec<u32> =
             if self.is_flat() { triangles.as_flattened().to_vec() } else { (0..self.positions.len() as u32).collect() };
-        if raw.positions.len() + sources.len() > MOST_VERTICES {
-            return Err(SceneError::new(format!(
-                "all meshes and their copies have more than {MOST_VERTICES} vertices"
-            )));
+        for (count, what) in
+            [(raw.positions.len() + sources.len(), "vertices"), (raw.triangles.len() + triangles.len(), "triangles")]
+        {
+            if count > MOST {
+                return Err(SceneError::new(format!("all meshes and their copies have more than {MOST} {what}"))
+                    .with_remedy("export fewer copies, or parts of the scene as files of their own"));
+            }
         }
         let offset = raw.positions.len() as u32;
         let is_mirrored = placement.is_mirrored(&sources);
