@@ -11,12 +11,15 @@ use rayon::prelude::*;
 
 type Triangle = [DVec3; 3];
 
+/// So many balls are tried faster than sorted out.
+const FEW: usize = 6;
+
 /// An upper bound of the distance by which the triangles reach outside every ball; 0 if the balls bound them. Exceeds
 /// the true distance by at most `tolerance`.
 pub(super) fn violation(triangles: &[Triangle], balls: &[Ball], tolerance: f64) -> f64 {
     let of_triangle = |triangle: &Triangle| {
         let mut largest = 0.0f64;
-        leaves(*triangle, balls, &mut candidates(triangle, balls), tolerance, &mut |leaf, near| {
+        leaves(*triangle, balls, &mut candidates(triangle, balls), 0, tolerance, &mut |leaf, near| {
             let missing = near.iter().map(|&k| balls[k as usize].missing(leaf)).fold(f64::INFINITY, f64::min);
             largest = largest.max(missing);
         });
@@ -30,7 +33,7 @@ pub(super) fn violation(triangles: &[Triangle], balls: &[Ball], tolerance: f64) 
 pub(super) fn uncovered_points(triangles: &[Triangle], balls: &[Ball], tolerance: f64) -> Vec<DVec3> {
     let of_triangle = |triangle: &Triangle| {
         let mut points = Vec::new();
-        leaves(*triangle, balls, &mut candidates(triangle, balls), tolerance, &mut |leaf, near| {
+        leaves(*triangle, balls, &mut candidates(triangle, balls), 0, tolerance, &mut |leaf, near| {
             points.extend(leaf.iter().filter(|p| !near.iter().any(|&k| balls[k as usize].contains(**p))));
         });
         points
@@ -61,7 +64,7 @@ pub(super) fn grow_to_cover(
         triangles.par_iter().filter(|triangle| violation(&[**triangle], fixed, tolerance) > 0.0).collect();
     for triangle in open {
         let mut uncovered = Vec::new();
-        leaves(*triangle, balls, &mut candidates(triangle, balls), tolerance, &mut |leaf, _| uncovered.push(*leaf));
+        leaves(*triangle, balls, &mut candidates(triangle, balls), 0, tolerance, &mut |leaf, _| uncovered.push(*leaf));
         for leaf in uncovered {
             if balls.iter().any(|ball| ball.missing(&leaf) <= 0.0) {
                 continue;
@@ -100,30 +103,60 @@ fn candidates(triangle: &Triangle, balls: &[Ball]) -> Vec<u32> {
     if found.is_empty() { all.collect() } else { found }
 }
 
-/// Calls `visit` with every leaf that no single ball holds, and the balls considered for it.
+/// Calls `visit` with every leaf that no single ball holds, and the balls that may be the nearest to it.
+///
+/// `near` holds balls for the triangle from `begin` on, and is as before on return up to their order.
 fn leaves(
     triangle: Triangle,
     balls: &[Ball],
     near: &mut Vec<u32>,
+    begin: usize,
     tolerance: f64,
     visit: &mut impl FnMut(&Triangle, &[u32]),
 ) {
-    if let Some(place) = near.iter().position(|&k| balls[k as usize].missing(&triangle) <= 0.0) {
+    if let Some(place) = near[begin..].iter().position(|&k| balls[k as usize].missing(&triangle) <= 0.0) {
         // The ball that held the last piece probably holds the next.
-        near.swap(0, place);
+        near.swap(begin, begin + place);
         return;
     }
     // Turned so that the longest edge is ab. Halving that one alone cuts slivers across and leaves them few pieces.
     let edge_squared = |k: usize| triangle[k].distance_squared(triangle[(k + 1) % 3]);
     let longest = (1..3).fold(0, |longest, k| if edge_squared(k) > edge_squared(longest) { k } else { longest });
     if edge_squared(longest) <= tolerance * tolerance {
-        visit(&triangle, near);
+        visit(&triangle, &near[begin..]);
         return;
     }
     let [a, b, c] = [0, 1, 2].map(|k| triangle[(longest + k) % 3]);
     let middle = a.midpoint(b);
-    leaves([a, middle, c], balls, near, tolerance, visit);
-    leaves([middle, b, c], balls, near, tolerance, visit);
+    let end = near.len();
+    keep_near(&triangle, balls, near, begin);
+    for half in [[a, middle, c], [middle, b, c]] {
+        leaves(half, balls, near, end, tolerance, visit);
+    }
+    near.truncate(end);
+}
+
+/// Appends those of `near[begin..]` that may hold a part of the triangle, or be the nearest to one.
+///
+/// With middle m and reach ρ, what a ball lacks of a part lies between |m − centre| − ρ − radius and, of the whole,
+/// |m − centre| + ρ − radius. Who lacks more of every part than another one of the whole decides nothing: a large triangle
+/// meets all balls of a set, its pieces few.
+fn keep_near(triangle: &Triangle, balls: &[Ball], near: &mut Vec<u32>, begin: usize) {
+    let end = near.len();
+    if end - begin <= FEW {
+        near.extend_from_within(begin..end);
+        return;
+    }
+    let middle = triangle.iter().sum::<DVec3>() / 3.0;
+    let reach = triangle.iter().map(|corner| corner.distance(middle)).fold(0.0, f64::max);
+    let gap = |k: u32| middle.distance(balls[k as usize].center) - balls[k as usize].radius;
+    // A hair more than needed: rounding must not decide.
+    let limit = near[begin..].iter().map(|&k| gap(k)).fold(f64::INFINITY, f64::min) + 2.0 * (1.0 + 1e-9) * reach;
+    for place in begin..end {
+        if gap(near[place]) <= limit {
+            near.push(near[place]);
+        }
+    }
 }
 
 #[cfg(test)]
