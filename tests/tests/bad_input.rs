@@ -60,6 +60,18 @@ fn lights_that_cannot_be_used() {
         let arguments = ["truth", "a.obj", "--env", name, "--resolution", "4x4", "-o", "t.exr"];
         assert!(refused(halfshade(here.path()).args(arguments)).contains(name), "{name}");
     }
+    let arguments = ["truth", "a.obj", "--resolution", "4x4", "-o", "t.exr", "--env"];
+    for (light, more) in [
+        ("sky", ["--clamp", "9"]),
+        ("sky", ["--env-layer", "rgba"]),
+        ("shape.hdr", ["--clamp", "0"]),
+        ("shape.hdr", ["--clamp", "-1"]),
+        ("shape.hdr", ["--clamp", "nan"]),
+        ("shape.hdr", ["--clamp", "inf"]),
+        ("shape.hdr", ["--env-layer", "rgba"]),
+    ] {
+        refused(halfshade(here.path()).args(arguments).arg(light).args(more));
+    }
     let error = refused(halfshade(here.path()).args(["truth", "a.obj", "--env", "moon", "-o", "t.exr"]));
     assert!(error.contains("`sky`, `constant`"), "{error}");
     let error = refused(halfshade(here.path()).args(["truth", "one-sphere", "--env", "sky", "-o", "t.exr"]));
@@ -68,6 +80,46 @@ fn lights_that_cannot_be_used() {
     fs::write(here.path().join("whole.hdr"), &whole).expect("written");
     let arguments = ["truth", "a.obj", "--env", "whole.hdr", "--resolution", "4x4", "--samples", "16", "-o", "t.exr"];
     halfshade(here.path()).args(arguments).assert().success();
+}
+
+#[test]
+fn more_spheres_than_a_mesh_can_use() {
+    let here = folder();
+    fs::write(here.path().join("a.obj"), TRIANGLES).expect("written");
+    let error = refused(halfshade(here.path()).args(["spheres", "a.obj", "-n", "1000000"]));
+    assert!(error.contains("-n 1000000") && error.contains("at most 2000"), "{error}");
+    fs::write(here.path().join("s.toml"), "[[object]]\nmesh = \"a.obj\"\nspheres = 2001\n").expect("written");
+    let error = refused(halfshade(here.path()).args(["truth", "s.toml", "--resolution", "4x4", "-o", "t.exr"]));
+    assert!(error.contains("s.toml:3: spheres = 2001 lies outside of 0 to 2000"), "{error}");
+    let experiment = "name = \"e\"\nclaim = \"c\"\n[truth]\nsamples = 16\n[[scene]]\nname = \"one-sphere\"\n\
+                      spheres = 2001\n[[strategy]]\nname = \"unshadowed\"\n";
+    fs::write(here.path().join("e.toml"), experiment).expect("written");
+    let error = refused(halfshade(here.path()).args(["run", "e.toml"]));
+    assert!(error.contains("spheres = 2001") && error.contains("2000"), "{error}");
+}
+
+#[test]
+fn cameras_that_see_nothing() {
+    let here = folder();
+    fs::write(here.path().join("a.obj"), TRIANGLES).expect("written");
+    let far = "[[object]]\nmesh = \"a.obj\"\nspheres = 1\nscale = 1e-5\ntranslate = [1000, 500, -1000]\n";
+    fs::write(here.path().join("far.toml"), far).expect("written");
+    let away = "[[object]]\nmesh = \"a.obj\"\n[camera]\neye = [0, 0, 9]\ntarget = [0, 0, 19]\n";
+    fs::write(here.path().join("away.toml"), away).expect("written");
+    for command in [&["truth"][..], &["render", "--strategy", "unshadowed"]] {
+        let run = |scene: &str| {
+            let arguments = [scene, "--resolution", "8x6", "-o", "t.exr"];
+            refused(halfshade(here.path()).args(command).args(arguments))
+        };
+        let error = run("far.toml");
+        assert!(
+            error.contains("far.toml: no camera in single precision") && error.contains("move it nearer"),
+            "{error}"
+        );
+        let error = run("away.toml");
+        assert!(error.contains("camera of scene `away` sees nothing"), "{error}");
+    }
+    assert_eq!(names(here.path()), ["a.obj", "away.toml", "far.toml"]);
 }
 
 #[test]

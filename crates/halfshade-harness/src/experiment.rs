@@ -43,7 +43,7 @@
 //! ```
 
 use crate::{HarnessError, Weighting, file_names::is_folder_name, machine::MAX_THREADS};
-use halfshade_scene::{camera::check_resolution, file::MAX_SPHERES, text};
+use halfshade_scene::{camera::check_resolution, text};
 use halfshade_truth::MAX_SAMPLES;
 use serde::{Deserialize, Deserializer, Serialize, de::Error as _};
 use std::{
@@ -308,8 +308,10 @@ fn folder_name<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::
 }
 
 fn sphere_count<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<NonZeroUsize>, D::Error> {
-    let fits = |count: &NonZeroUsize| count.get() <= MAX_SPHERES;
-    fitting(deserializer, &format!("expected at most {MAX_SPHERES} spheres"), fits).map(Some)
+    /// Of all objects together; what one can use is another bound.
+    const MOST: usize = 100_000;
+    let fits = |count: &NonZeroUsize| count.get() <= MOST;
+    fitting(deserializer, &format!("expected at most {MOST} spheres"), fits).map(Some)
 }
 
 fn sample_count<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<NonZeroU32>, D::Error> {

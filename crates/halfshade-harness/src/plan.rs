@@ -5,10 +5,11 @@ use crate::{
     experiment::{TimingSettings, View},
     file_names, inputs,
     reference::Accuracy,
-    scene_source, variant,
+    scene_source::{self, MeshLight},
+    variant,
 };
 use glam::Vec3;
-use halfshade_scene::{Camera, InputFile, Scene, input, scene::MAX_BOUNCES};
+use halfshade_scene::{Camera, InputFile, Scene, input, scene::MAX_BOUNCES, spheres::MAX_SPHERES};
 use halfshade_strategy::Strategy;
 use std::{num::NonZeroUsize, path::PathBuf};
 use toml::Spanned;
@@ -42,7 +43,7 @@ fn share_out_spheres(scene: &mut Scene, count: usize) {
     for object in scene.objects.iter_mut().filter(|object| object.sphere_count > 0) {
         // Rounded so that the sums are right, not each share.
         own += object.sphere_count;
-        object.sphere_count = (own * count / total).saturating_sub(given).max(1);
+        object.sphere_count = (own.saturating_mul(count) / total).saturating_sub(given).max(1);
         given += object.sphere_count;
     }
     scene.name = format!("{}, {count} spheres", scene.name);
@@ -120,6 +121,12 @@ impl Plan {
         files
     }
 
+    /// Whether any strategy or reference reads sphere sets.
+    pub fn needs_spheres(&self, strategies: &[Box<dyn Strategy>]) -> bool {
+        self.references.iter().any(|reference| *reference != ReferenceKind::Mesh)
+            || self.variants.iter().any(|variant| strategies[variant.strategy].needs_spheres())
+    }
+
     /// Loads and checks everything, so that mistakes show before any work is done.
     pub fn new(experiment: &Experiment, strategies: &[Box<dyn Strategy>], quick: bool) -> Result<Self, HarnessError> {
         let variants = variant::sweep(experiment, strategies)?;
@@ -168,8 +175,8 @@ impl Plan {
         let mut scenes: Vec<(Scene, Vec<usize>)> = Vec::new();
         let mut inputs = Vec::new();
         for entry in &experiment.scenes {
-            let (scene, files) =
-                input::recorded(|| scene_source::resolve(entry.name.get_ref(), folder, entry.environment.as_deref()));
+            let light = MeshLight { name: entry.environment.as_deref(), ..MeshLight::default() };
+            let (scene, files) = input::recorded(|| scene_source::resolve(entry.name.get_ref(), folder, &light));
             inputs.extend(files);
             let mut scene = scene.map_err(|error| experiment.error_at(entry.name.span().start, error.to_string()))?;
             if let Some(light) = &entry.environment {
@@ -189,6 +196,10 @@ impl Plan {
             }
             if let Some(count) = entry.spheres {
                 share_out_spheres(&mut scene, count.get());
+                if scene.objects.iter().any(|object| object.sphere_count > MAX_SPHERES) {
+                    let problem = format!("spheres = {count} gives an object more than the {MAX_SPHERES} it can use");
+                    return Err(experiment.error_at(entry.name.span().start, problem));
+                }
             }
             if scenes.iter().any(|(other, _)| other.name == scene.name) {
                 let problem = format!(

@@ -58,6 +58,11 @@ impl Projection {
         (receivers, Self { width, height, supersample: 1, samples })
     }
 
+    /// Whether the camera sees no receiver at all.
+    pub fn is_empty(&self) -> bool {
+        self.samples.iter().all(Option::is_none)
+    }
+
     /// The picture of `radiance`; `background` where nothing is hit.
     pub fn picture(&self, radiance: &RadianceBuffer, background: Vec3) -> Picture {
         let mut picture = Picture::filled(self.width, self.height, Vec3::ZERO);

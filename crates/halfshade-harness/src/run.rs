@@ -114,8 +114,10 @@ pub fn run(experiment: &Experiment, tools: &Tools<'_>, options: &RunOptions) -> 
         for (number, (scene, frames)) in plan.scenes.iter().enumerate() {
             let mut scene = scene.clone();
             scene.notes.iter().for_each(|note| tools.progress.note(note));
-            for note in scene.build_spheres(tools.cache, tools.progress)? {
-                tools.progress.note(&format!("{}: {note}", scene.name));
+            if plan.needs_spheres(tools.strategies) {
+                for note in scene.build_spheres(tools.cache, tools.progress)? {
+                    tools.progress.note(&format!("{}: {note}", scene.name));
+                }
             }
             results.scenes.push(SceneFacts {
                 name: scene.name.clone(),

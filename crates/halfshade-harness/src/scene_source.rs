@@ -4,26 +4,35 @@ use crate::HarnessError;
 use glam::Vec3;
 use halfshade_scene::{
     Environment, Mesh, Scene, builtin, file,
-    light::{Projection, Sky, load_probe},
+    light::{self, ProbeOptions, Projection, Sky, load_probe},
     mesh,
 };
 use std::path::Path;
 
 /// Endings of mesh files.
 const MESHES: [&str; 4] = ["obj", "ply", "gltf", "glb"];
-/// Endings of light probes.
-const PROBES: [&str; 2] = ["hdr", "exr"];
+/// The light of a mesh file.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct MeshLight<'a> {
+    /// `sky` (the default), `constant`, or an image, optionally followed by `:latlong` or `:angular`. Without that, a square
+    /// image is an angular map.
+    pub name: Option<&'a str>,
+    /// Which layer of an OpenEXR image.
+    pub layer: Option<&'a str>,
+    /// The largest radiance of an image.
+    pub clamp: Option<f32>,
+}
 
-/// The scene that `name` stands for. Files are relative to `folder`.
-///
-/// `environment` lights mesh files, and only them: `sky` (the default), `constant`, or an image relative to `folder`,
-/// optionally followed by `:latlong` or `:angular`. Without that, a square image is an angular map.
-pub fn resolve(name: &str, folder: &Path, environment: Option<&str>) -> Result<Scene, HarnessError> {
+/// The scene that `name` stands for. Files are relative to `folder`. `light` is for mesh files, and only for them.
+pub fn resolve(name: &str, folder: &Path, light: &MeshLight<'_>) -> Result<Scene, HarnessError> {
     let path = folder.join(name);
     let ending = ending(&path);
     let is_mesh = MESHES.contains(&ending.as_str());
-    if environment.is_some() && !is_mesh {
-        let problem = format!("scene `{name}` has its own light: an environment is for mesh files only");
+    if *light != MeshLight::default() && !is_mesh {
+        let problem = format!(
+            "scene `{name}` has its own light: an environment is for mesh files only; a scene file names image, layer and \
+             clamp in its [environment]"
+        );
         return Err(HarnessError::input(problem));
     }
     if let Some(scene) = builtin::scene(name) {
@@ -33,8 +42,10 @@ pub fn resolve(name: &str, folder: &Path, environment: Option<&str>) -> Result<S
         return Ok(file::load(&path)?);
     }
     if is_mesh {
-        let light = light(environment.unwrap_or("sky"), folder)?;
-        return Ok(file::from_mesh(&path, light)?);
+        let (environment, mut notes) = environment(light, folder)?;
+        let mut scene = file::from_mesh(&path, environment)?;
+        scene.notes.append(&mut notes);
+        return Ok(scene);
     }
     let known: Vec<&str> = builtin::SCENES.iter().map(|(name, _)| *name).collect();
     Err(HarnessError::input(format!(
@@ -49,12 +60,20 @@ pub fn load_mesh(path: &Path) -> Result<(Mesh, Vec<String>), HarnessError> {
     Ok(mesh::load_with_notes(path)?)
 }
 
-/// The light that `text` stands for (see [`resolve`]).
-fn light(text: &str, folder: &Path) -> Result<Environment, HarnessError> {
-    match text {
-        "sky" => return Ok(Sky::default().environment()?),
-        "constant" => return Ok(Environment::constant(Vec3::ONE)),
-        _ => {}
+/// The environment that `light` stands for, and what the user should know of its image.
+fn environment(light: &MeshLight<'_>, folder: &Path) -> Result<(Environment, Vec<String>), HarnessError> {
+    let text = light.name.unwrap_or("sky");
+    let constructed = match text {
+        "sky" => Some(Sky::default().environment()?),
+        "constant" => Some(Environment::constant(Vec3::ONE)),
+        _ => None,
+    };
+    if let Some(constructed) = constructed {
+        if light.layer.is_some() || light.clamp.is_some() {
+            let problem = format!("a layer and a largest radiance are for images, and the environment is `{text}`");
+            return Err(HarnessError::input(problem));
+        }
+        return Ok((constructed, Vec::new()));
     }
     let (file, projection) = match text.rsplit_once(':') {
         Some((file, "latlong")) => (file, Some(Projection::LatLong)),
@@ -62,19 +81,16 @@ fn light(text: &str, folder: &Path) -> Result<Environment, HarnessError> {
         _ => (text, None),
     };
     let path = folder.join(file);
-    if !PROBES.contains(&ending(&path).as_str()) {
-        let problem = format!("unknown environment `{text}`; give `sky`, `constant`, or an image (.hdr, .exr)");
+    if !light::EXTENSIONS.contains(&ending(&path).as_str()) {
+        let known = light::EXTENSIONS.join(", .");
+        let problem = format!("unknown environment `{text}`; give `sky`, `constant`, or an image (.{known})");
         return Err(HarnessError::input(problem));
     }
-    let map = match projection {
-        Some(projection) => load_probe(&path, projection, 0.0)?,
-        // Which one fits is decided by the shape; where neither does, the error of the usual one is told.
-        None => match load_probe(&path, Projection::LatLong, 0.0) {
-            Ok(map) => map,
-            Err(error) => load_probe(&path, Projection::Angular, 0.0).map_err(|_| error)?,
-        },
-    };
-    Ok(Environment::map(map))
+    let layer = light.layer.map(str::to_owned);
+    let options = ProbeOptions { projection, forward_degrees: 0.0, layer, clamp: light.clamp };
+    let (map, notes) = load_probe(&path, &options)?;
+    let notes = notes.into_iter().map(|note| format!("{}: {note}", path.display()));
+    Ok((Environment::map(map), notes.collect()))
 }
 
 fn ending(path: &Path) -> String {

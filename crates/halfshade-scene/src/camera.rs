@@ -1,6 +1,6 @@
 //! The pinhole camera of pictures.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use serde::Serialize;
 
 /// A pinhole camera.
@@ -32,10 +32,20 @@ pub fn check_resolution([width, height]: [u32; 2]) -> Result<(), String> {
 }
 
 impl Camera {
+    /// Unit direction toward the target.
+    fn forward(&self) -> Vec3 {
+        let toward = self.target - self.eye;
+        // Squares of lengths beyond these lose digits in single precision.
+        if (1e-30..1e30).contains(&toward.length_squared()) {
+            return toward.normalize();
+        }
+        (self.target.as_dvec3() - self.eye.as_dvec3()).normalize_or(DVec3::NEG_Z).as_vec3()
+    }
+
     /// Unit direction in world space through pixel coordinates; pixel (0, 0) is top left and its centre lies at
     /// (0.5, 0.5). +Y is up unless the camera looks along it; then -Z is.
     pub fn ray_direction(&self, column: f32, row: f32) -> Vec3 {
-        let forward = (self.target - self.eye).normalize_or(Vec3::NEG_Z);
+        let forward = self.forward();
         let right =
             forward.cross(Vec3::Y).try_normalize().unwrap_or_else(|| forward.cross(Vec3::NEG_Z).normalize_or(Vec3::X));
         let up = right.cross(forward);
@@ -59,5 +69,10 @@ mod tests {
         let (top, bottom) = (camera.ray_direction(100.0, 0.0), camera.ray_direction(100.0, 100.0));
         assert!((top.angle_between(bottom).to_degrees() - 60.0).abs() < 1e-3);
         assert!(top.y > 0.0 && camera.ray_direction(200.0, 50.0).x > 0.0);
+        // At any scale.
+        for scale in [1e-30, 1e-21, 1e-10, 1e10, 1e30] {
+            let scaled = Camera { target: scale * Vec3::new(3.0, 0.0, -4.0), ..camera };
+            assert!(scaled.ray_direction(100.0, 50.0).distance(Vec3::new(0.6, 0.0, -0.8)) < 1e-6, "{scale}");
+        }
     }
 }

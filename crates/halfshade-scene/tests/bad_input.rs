@@ -3,7 +3,7 @@
 mod glb;
 
 use glam::Vec3;
-use halfshade_scene::light::{Projection, load_probe};
+use halfshade_scene::light::{ProbeOptions, Projection, load_probe};
 use halfshade_scene::{SceneError, Texture, builtin, file, mesh};
 use proptest::prelude::*;
 use std::fmt::Write as _;
@@ -108,7 +108,8 @@ fn load(path: &Path) -> Result<(), SceneError> {
         Some("toml") => file::load(path).map(drop),
         Some("hdr" | "exr") => {
             let angular = path.file_name().is_some_and(|name| name.to_string_lossy().contains("angular"));
-            load_probe(path, if angular { Projection::Angular } else { Projection::LatLong }, 0.0).map(drop)
+            let projection = Some(if angular { Projection::Angular } else { Projection::LatLong });
+            load_probe(path, &ProbeOptions { projection, ..ProbeOptions::default() }).map(drop)
         }
         Some("png" | "jpg") => Texture::load(path).map(drop),
         _ => mesh::load(path).map(drop),
@@ -145,7 +146,7 @@ fn the_sound_files_load_and_agree() {
     let is_first = |m: &mesh::Welded| (&m.positions, &m.triangles) == (&welded[0].positions, &welded[0].triangles);
     assert!(welded.len() == 5 && welded.iter().all(is_first));
     assert!(mesh::Topology::of(&meshes[0]).is_solid());
-    let map = load_probe(&folder.path().join("sound.exr"), Projection::LatLong, 0.0).unwrap();
+    let map = load_probe(&folder.path().join("sound.exr"), &ProbeOptions::default()).unwrap().0;
     assert_eq!(map.texels()[8 + 3], Vec3::new(3.0, 1.0, 1.0));
 }
 
@@ -183,7 +184,7 @@ fn garbage_empty_missing_and_unknown_files_are_named() {
     }
     error_of("g.toml", b"\xff\xfe");
     assert!(error_of("g.stl", b"solid").contains(".obj, .ply"));
-    let error = load_probe(Path::new("g.jpg"), Projection::LatLong, 0.0).unwrap_err().to_string();
+    let error = load_probe(Path::new("g.jpg"), &ProbeOptions::default()).unwrap_err().to_string();
     assert!(error.contains(".hdr") && error.contains(".exr"));
 }
 

@@ -34,6 +34,11 @@ pub trait Strategy: Send + Sync {
     /// Name, parameters, effects.
     fn info(&self) -> Info;
 
+    /// Whether it reads the objects' sphere sets; building them for those who don't would be a wait for nothing.
+    fn needs_spheres(&self) -> bool {
+        true
+    }
+
     /// Offline, once per scene: tables and fields that hold for every frame. `params` holds a value for every parameter
     /// of [`Info::parameters`], within its range.
     fn bake(&self, scene: &Scene, params: &Params, progress: &dyn Progress) -> Result<Box<dyn Baked>, StrategyError>;

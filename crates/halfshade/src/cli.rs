@@ -1,8 +1,11 @@
 //! The arguments: a contract, extended but not broken.
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use halfshade_harness::machine::MAX_THREADS;
-use halfshade_scene::camera::{MAX_SIDE, check_resolution};
+use halfshade_harness::{machine::MAX_THREADS, scene_source::MeshLight};
+use halfshade_scene::{
+    camera::{MAX_SIDE, check_resolution},
+    light::ProbeOptions,
+};
 use std::{num::NonZeroUsize, path::PathBuf};
 
 /// Compares real-time methods for soft shadows: error and time of every strategy against ray-traced truth.
@@ -63,6 +66,12 @@ pub struct SceneArguments {
     /// Light of a mesh file: `sky`, `constant`, or an image (.hdr, .exr) [default: sky].
     #[arg(long, value_name = "LIGHT")]
     pub env: Option<String>,
+    /// The layer of an OpenEXR image that is the light [default: the one without a name].
+    #[arg(long, value_name = "NAME")]
+    pub env_layer: Option<String>,
+    /// Largest radiance of the image: larger and infinite ones become this, negative ones and what isn't a number 0.
+    #[arg(long, value_name = "RADIANCE", value_parser = largest_radiance, allow_negative_numbers = true)]
+    pub clamp: Option<f32>,
     /// Frame of the animation.
     #[arg(long, default_value_t = 0)]
     pub frame: usize,
@@ -78,6 +87,13 @@ pub struct SceneArguments {
     /// Exposure of a PNG, in stops around the automatic one.
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_parser = stops)]
     pub exposure: f32,
+}
+
+impl SceneArguments {
+    /// The light of a mesh file.
+    pub fn light(&self) -> MeshLight<'_> {
+        MeshLight { name: self.env.as_deref(), layer: self.env_layer.as_deref(), clamp: self.clamp }
+    }
 }
 
 /// Arguments of `render`.
@@ -128,7 +144,7 @@ pub struct TruthArguments {
 pub struct SpheresArguments {
     /// The mesh file: .obj, .ply, .gltf, .glb.
     pub mesh: PathBuf,
-    /// How many spheres.
+    /// How many spheres, at most 2000.
     #[arg(short = 'n', long, value_name = "COUNT")]
     pub count: NonZeroUsize,
     /// Write the set as JSON.
@@ -209,6 +225,11 @@ fn stops(text: &str) -> Result<f32, String> {
     stops.ok_or_else(|| format!("expected a number from -{LARGEST} to {LARGEST}"))
 }
 
+fn largest_radiance(text: &str) -> Result<f32, String> {
+    let number = text.parse().ok().filter(|clamp| ProbeOptions::is_clamp(*clamp));
+    number.ok_or_else(|| "expected a number, positive and finite".into())
+}
+
 fn color(text: &str) -> Result<[f32; 3], String> {
     let numbers: Option<Vec<f32>> =
         text.split(',').map(|part| part.trim().parse().ok().filter(|x: &f32| x.is_finite() && *x >= 0.0)).collect();
@@ -239,6 +260,10 @@ mod tests {
             assert!(stops(absurd).is_err(), "{absurd}");
         }
         assert_eq!(stops("-2.5"), Ok(-2.5));
+        assert_eq!(largest_radiance("65504"), Ok(65504.0));
+        for bad in ["0", "-1", "nan", "inf", "1e39", "one", ""] {
+            assert!(largest_radiance(bad).is_err(), "{bad}");
+        }
         assert_eq!(color("0.5"), Ok([0.5; 3]));
         assert_eq!(color("1, 2,3"), Ok([1.0, 2.0, 3.0]));
         assert!(color("nan").is_err() && color("1,2").is_err() && color("-1").is_err());

@@ -1,13 +1,12 @@
 //! From a scene file's tables to a scene, every value checked.
 
-use super::document::{
-    AnimationTable, CameraTable, Document, EnvironmentTable, KeyframeTable, LightTable, Meshes, ObjectTable, SkyTable,
-};
+use super::document::{AnimationTable, CameraTable, Document, KeyframeTable, LightTable, Meshes, ObjectTable};
+use super::environment::environment;
 use super::source::{Source, named_notes, stem};
-use super::{DEFAULT_FRAMES_PER_SEC, DEFAULT_SPHERE_COUNT, MAX_SPHERES, framing, reflectance};
+use super::{DEFAULT_FRAMES_PER_SEC, DEFAULT_SPHERE_COUNT, framing, reflectance};
 use crate::camera::check_resolution;
-use crate::light::{Projection, Sky, load_probe};
 use crate::scene::MAX_BOUNCES;
+use crate::spheres::MAX_SPHERES;
 use crate::{
     Camera, Environment, Material, Mesh, Motion, Object, Pose, Scene, SceneError, Skin, SphereLight, builtin, mesh,
 };
@@ -18,8 +17,8 @@ use toml::Spanned;
 
 type Result<T> = std::result::Result<T, SceneError>;
 
-/// Largest numbers of leaf spheres and of clusters of one object.
-const MAX_COUNT: i64 = MAX_SPHERES as i64;
+/// Largest number of clusters of one object.
+const MAX_CLUSTERS: i64 = 100_000;
 
 pub(super) fn scene(source: &Source<'_>, document: Document) -> Result<Scene> {
     if document.object.is_empty() {
@@ -35,14 +34,14 @@ pub(super) fn scene(source: &Source<'_>, document: Document) -> Result<Scene> {
         .collect::<Result<_>>()?;
     let lights: Vec<_> = document.light.into_iter().map(|table| light(source, table)).collect::<Result<_>>()?;
     let (environment, turn) = match document.environment {
-        Some(table) => environment(source, table)?,
+        Some(table) => environment(source, table, &mut notes)?,
         None => (Environment::constant(if lights.is_empty() { Vec3::ONE } else { Vec3::ZERO }), 0.0),
     };
     let camera = match document.camera {
         Some(table) => camera(source, table.into_inner())?,
         None => {
             let (min, max) = framing::bounds_of(&objects);
-            framing::camera_on(min, max)
+            framing::camera_on(min, max).map_err(|error| error.in_file(source.path))?
         }
     };
     let motions = objects.iter().map(|object| &object.motion).chain(lights.iter().map(|(_, motion)| motion));
@@ -82,7 +81,7 @@ fn whole(
 }
 
 /// A value that `fits`, or an error that says what is expected.
-fn checked<T: Copy + std::fmt::Debug>(
+pub(super) fn checked<T: Copy + std::fmt::Debug>(
     source: &Source<'_>,
     what: &str,
     value: &Spanned<T>,
@@ -106,7 +105,7 @@ fn albedo(source: &Source<'_>, what: &str, value: &Spanned<[f32; 3]>) -> Result<
     checked(source, what, value, "within [0, 1]", fits).map(Vec3::from)
 }
 
-fn radiance(source: &Source<'_>, what: &str, value: &Spanned<[f32; 3]>) -> Result<Vec3> {
+pub(super) fn radiance(source: &Source<'_>, what: &str, value: &Spanned<[f32; 3]>) -> Result<Vec3> {
     let fits = |v: [f32; 3]| v.iter().all(|x| x.is_finite() && *x >= 0.0);
     checked(source, what, value, "finite and not negative", fits).map(Vec3::from)
 }
@@ -210,11 +209,11 @@ fn object(
             source,
             "spheres",
             table.spheres,
-            0..=MAX_COUNT,
+            0..=MAX_SPHERES as i64,
             if is_plane { 0 } else { DEFAULT_SPHERE_COUNT },
         )?,
         spheres: None,
-        cluster_count: whole(source, "clusters", table.clusters, 0..=MAX_COUNT, 0)?,
+        cluster_count: whole(source, "clusters", table.clusters, 0..=MAX_CLUSTERS, 0)?,
         motion,
         skin,
     })
@@ -274,60 +273,9 @@ fn light(source: &Source<'_>, table: Spanned<LightTable>) -> Result<(SphereLight
     Ok((light, motion))
 }
 
-/// The environment, and its turn in radians per second.
-fn environment(source: &Source<'_>, table: Spanned<EnvironmentTable>) -> Result<(Environment, f32)> {
-    let span = table.span();
-    let EnvironmentTable { constant, image, projection, forward_degrees, sky, turn_degrees_per_sec } =
-        table.into_inner();
-    let degrees = |what: &str, value: Option<Spanned<f32>>| match value {
-        Some(value) => checked(source, what, &value, "a finite number", f32::is_finite),
-        None => Ok(0.0),
-    };
-    if image.is_none() {
-        let misplaced = projection.as_ref().map(Spanned::span).or(forward_degrees.as_ref().map(Spanned::span));
-        if let Some(span) = misplaced {
-            return Err(source.error(span, "projection and forward_degrees belong to an image, and there is none"));
-        }
-    }
-    let turn = degrees("turn_degrees_per_sec", turn_degrees_per_sec)?.to_radians();
-    let environment = match (constant, image, sky) {
-        (Some(constant), None, None) => Environment::constant(radiance(source, "constant", &constant)?),
-        (None, Some(image), None) => {
-            let projection = match projection {
-                Some(name) => name.get_ref().parse().map_err(|e: SceneError| source.error(name.span(), e.problem))?,
-                None => Projection::LatLong,
-            };
-            let forward = degrees("forward_degrees", forward_degrees)?;
-            let path = source.resolve(image.get_ref());
-            let map = load_probe(&path, projection, forward).map_err(|error| source.named_at(&image, error))?;
-            Environment::map(map)
-        }
-        (None, None, Some(table)) => {
-            let span = table.span();
-            sky_of(table.into_inner()).environment().map_err(|error| source.error(span, error.problem))?
-        }
-        _ => return Err(source.error(span, "an environment is one of: constant, image, sky")),
-    };
-    Ok((environment, turn))
-}
-
-/// A sky with defaults filled in.
-fn sky_of(table: SkyTable) -> Sky {
-    let SkyTable { sun_elevation_degrees, sun_azimuth_degrees, turbidity, ground_albedo, sun, resolution } = table;
-    let default = Sky::default();
-    Sky {
-        sun_elevation_degrees: sun_elevation_degrees.unwrap_or(default.sun_elevation_degrees),
-        sun_azimuth_degrees: sun_azimuth_degrees.unwrap_or(default.sun_azimuth_degrees),
-        turbidity: turbidity.unwrap_or(default.turbidity),
-        ground_albedo: ground_albedo.map_or(default.ground_albedo, Vec3::from),
-        sun: sun.unwrap_or(default.sun),
-        resolution: resolution.unwrap_or(default.resolution),
-    }
-}
-
 fn camera(source: &Source<'_>, table: CameraTable) -> Result<Camera> {
     let (eye, target) = (place(source, "eye", &table.eye)?, place(source, "target", &table.target)?);
-    if (target - eye).try_normalize().is_none() {
+    if (target.as_dvec3() - eye.as_dvec3()).try_normalize().is_none() {
         return Err(source.error(table.target.span(), "the camera's target is its eye: it looks nowhere"));
     }
     let vertical_fov_degrees = match &table.vertical_fov_degrees {
@@ -506,6 +454,7 @@ mod tests {
             ("scale = -1", 3, &["scale"]),
             ("scale = inf", 3, &["scale"]),
             ("\nspheres = -1", 4, &["spheres = -1", "0 to"]),
+            ("\nspheres = 1000000", 4, &["spheres = 1000000", "0 to 2000"]),
             ("translate = [0, inf, 0]", 3, &["translate"]),
             ("rotate = [0, 0, 0, 90]", 3, &["rotate", "axis"]),
             ("mesh = \"x.obj\"", 1, &["either"]),

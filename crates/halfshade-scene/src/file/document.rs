@@ -77,6 +77,8 @@ pub(super) struct EnvironmentTable {
     pub(super) image: At<String>,
     pub(super) projection: At<String>,
     pub(super) forward_degrees: At<f32>,
+    pub(super) layer: At<String>,
+    pub(super) clamp: At<f32>,
     pub(super) sky: At<SkyTable>,
     pub(super) turn_degrees_per_sec: At<f32>,
 }

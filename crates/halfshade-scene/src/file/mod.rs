@@ -22,7 +22,7 @@
 //! #                                 # gloss beside the albedo, see Reflectance; default: none. Textures vary it:
 //! #                                 # specular_texture = "s.png" multiplies the scale, exponent_texture = "e.png" (its red
 //! #                                 # channel, sRGB as all) the exponent
-//! spheres = 64                      # leaf spheres; 0: receives only. Default 64, of a plane 0
+//! spheres = 64                      # leaf spheres, at most 2000; 0: receives only. Default 64, of a plane 0
 //! clusters = 0                      # receiver clusters; 0: left to the strategy
 //! translate = [0, 0, 0]
 //! rotate = [0, 1, 0, 30]            # axis, degrees
@@ -32,7 +32,9 @@
 //!
 //! [environment]                     # default: constant [1, 1, 1], or none where there are lights
 //! constant = [1, 1, 1]
-//! # or image = "probe.hdr", projection = "latlong"|"angular", forward_degrees = 0: the centre, from -Z toward +X
+//! # or image = "probe.hdr", projection = "latlong"|"angular", forward_degrees = 0: the centre, from -Z toward +X;
+//! #    layer = "beauty" of an OpenEXR file with several; clamp = 65504: the largest radiance, for images that hold
+//! #    infinity, what isn't a number or negative ones, the last two of which become 0
 //! # or sky = { sun_elevation_degrees = 45, sun_azimuth_degrees = 135, turbidity = 3, ground_albedo = [0.2, 0.2, 0.2],
 //! #            sun = true, resolution = 128 }
 //! turn_degrees_per_sec = 0          # around +Y
@@ -55,6 +57,7 @@
 
 mod build;
 mod document;
+mod environment;
 mod framing;
 mod reflectance;
 mod source;
@@ -67,9 +70,6 @@ use std::sync::Arc;
 
 /// Leaf spheres of an object that doesn't say how many.
 pub const DEFAULT_SPHERE_COUNT: usize = 64;
-
-/// Most leaf spheres of an object.
-pub const MAX_SPHERES: usize = 100_000;
 
 /// Frames per second of a scene that doesn't say how many.
 pub const DEFAULT_FRAMES_PER_SEC: f64 = 30.0;
@@ -114,7 +114,7 @@ pub fn from_mesh(path: &Path, environment: Environment) -> Result<Scene, SceneEr
         skin: None,
     };
     Ok(Scene {
-        camera: framing::camera_on(min, max),
+        camera: framing::camera_on(min.as_dvec3(), max.as_dvec3()).map_err(|error| error.in_file(path))?,
         notes: source::named_notes(path, notes),
         ..Scene::at_rest(name, vec![object, ground], environment)
     })

@@ -16,7 +16,7 @@ pub use directional_cells::DirectionalCells;
 pub use environment::{DistantLight, Environment, Sun};
 pub use environment_map::EnvironmentMap;
 pub use octahedral::{OctahedralGrid, OctahedralWeights};
-pub use probe::{EXTENSIONS, Projection, load_probe};
+pub use probe::{EXTENSIONS, ProbeOptions, Projection, load_probe};
 pub use sky::{KILOCANDELAS_PER_UNIT, Sky};
 pub use sphere_light::SphereLight;
 

@@ -1,10 +1,10 @@
 //! Light probes: images of all directions, in files.
 
 use super::angular::from_angular;
-use super::image_file::{Image, decode_exr, decode_hdr};
+use super::image_file::{Decoded, Image, decode};
 use super::{EnvironmentMap, luminance};
 use crate::SceneError;
-use glam::Vec3;
+use glam::{DMat3, Vec3};
 use std::path::Path;
 use std::str::FromStr;
 
@@ -40,42 +40,66 @@ impl FromStr for Projection {
     }
 }
 
-/// Reads a light probe: Radiance HDR or OpenEXR, by extension, as linear Rec. 709 radiance.
-///
-/// The image's centre looks `forward_degrees` from -Z toward +X; 0 is -Z. A latitude-longitude map is turned by whole
-/// columns exactly, and by parts of a column by sharing texels between two neighbours, which keeps every row's mean.
-/// What an HDR file says it was multiplied by (EXPOSURE, COLORCORR) is divided out. Radiances that aren't finite are
-/// errors, and so are negative ones beyond a hundredth of the mean luminance; smaller ones are set to 0.
-pub fn load_probe(path: &Path, projection: Projection, forward_degrees: f32) -> Result<EnvironmentMap, SceneError> {
-    read(path, projection, forward_degrees).map_err(|error| error.in_file(path))
+/// How a light probe is read.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ProbeOptions {
+    /// How the image holds all directions; `None`: a square is an angular map, anything else latitude and longitude.
+    pub projection: Option<Projection>,
+    /// Where the image's centre looks, in degrees from -Z toward +X.
+    pub forward_degrees: f32,
+    /// Which layer of an OpenEXR file; `None`: the one that has no name within its part.
+    pub layer: Option<String>,
+    /// The largest radiance of a channel: infinity and what is larger becomes this, what isn't a number or is negative
+    /// becomes 0. `None`: radiance that isn't finite is an error.
+    pub clamp: Option<f32>,
 }
 
-fn read(path: &Path, projection: Projection, forward_degrees: f32) -> Result<EnvironmentMap, SceneError> {
+impl ProbeOptions {
+    /// Whether `clamp` can be a largest radiance.
+    pub fn is_clamp(clamp: f32) -> bool {
+        clamp > 0.0 && clamp.is_finite()
+    }
+}
+
+/// Reads a light probe, Radiance HDR or OpenEXR, as linear Rec. 709 radiance, with what the user should know of it.
+///
+/// A latitude-longitude map is turned by whole columns exactly, and by parts of a column by sharing texels between two
+/// neighbours, which keeps every row's mean. What an HDR file says it was multiplied by (EXPOSURE, COLORCORR) is divided
+/// out. Other primaries (PRIMARIES, XYZE, OpenEXR's chromaticities) are converted, white to white; channels that fall
+/// below 0, of colours that Rec. 709 can't show, become 0. An OpenEXR file's picture is its display window, black where its
+/// data window doesn't reach.
+///
+/// Without [`ProbeOptions::clamp`], radiances that aren't finite are errors, and so are negative ones beyond a hundredth
+/// of the mean luminance; smaller ones are set to 0.
+pub fn load_probe(path: &Path, options: &ProbeOptions) -> Result<(EnvironmentMap, Vec<String>), SceneError> {
+    read(path, options).map_err(|error| error.in_file(path))
+}
+
+fn read(path: &Path, options: &ProbeOptions) -> Result<(EnvironmentMap, Vec<String>), SceneError> {
+    let ProbeOptions { projection, forward_degrees, layer, clamp } = options;
     if !forward_degrees.is_finite() {
         return Err(SceneError::new("forward_degrees is not a finite number"));
     }
-    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-    let decode = match extension.as_str() {
-        "hdr" | "pic" => decode_hdr,
-        "exr" => decode_exr,
-        _ => {
-            return Err(SceneError::new(format!("`.{extension}` is no light probe format known here"))
-                .with_remedy(format!("use one of: .{}", EXTENSIONS.join(", ."))));
-        }
-    };
-    let bytes = crate::input::read(path).map_err(|error| SceneError::new(format!("cannot be read: {error}")))?;
-    if bytes.is_empty() {
-        return Err(SceneError::new("the file is empty"));
+    if let Some(clamp) = clamp.filter(|clamp| !ProbeOptions::is_clamp(*clamp)) {
+        return Err(SceneError::new(format!("clamp = {clamp} must be positive and finite")));
     }
-    let mut image = decode(&bytes)?;
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    if !EXTENSIONS.contains(&extension.as_str()) {
+        return Err(SceneError::new(format!("`.{extension}` is no light probe format known here"))
+            .with_remedy(format!("use one of: .{}", EXTENSIONS.join(", ."))));
+    }
+    let bytes = crate::input::read(path).map_err(|error| SceneError::new(format!("cannot be read: {error}")))?;
+    let Decoded { mut image, to_rec709, mut notes } = decode(&bytes, layer.as_deref())?;
+    let is_square = image.width == image.height;
+    let projection = projection.unwrap_or(if is_square { Projection::Angular } else { Projection::LatLong });
     check_shape(&image, projection)?;
-    check_radiance(&mut image, projection)?;
+    notes.extend(to_radiance(&mut image, projection, to_rec709, *clamp)?);
     let forward = forward_degrees.rem_euclid(360.0);
     let map = match projection {
         Projection::LatLong => turned(image, f64::from(forward) / 360.0),
         Projection::Angular => from_angular(&image, forward.to_radians()),
     };
-    map.ok_or_else(|| SceneError::new("the image is empty"))
+    Ok((map.ok_or_else(|| SceneError::new("the image is empty"))?, notes))
 }
 
 /// Refuses an image that can't be of this projection.
@@ -99,23 +123,76 @@ fn check_shape(image: &Image, projection: Projection) -> Result<(), SceneError> 
     }))
 }
 
-/// Refuses radiance that isn't one, and sets negligible negative values to 0. Of an angular map only the disc counts.
-fn check_radiance(image: &mut Image, projection: Projection) -> Result<(), SceneError> {
-    let n = image.width as f32;
+/// Makes radiance in Rec. 709 of what the file holds, or says what is none. Of an angular map only the disc counts.
+/// Returns what the user should know.
+fn to_radiance(
+    image: &mut Image,
+    projection: Projection,
+    to_rec709: Option<DMat3>,
+    clamp: Option<f32>,
+) -> Result<Vec<String>, SceneError> {
+    let (n, width) = (image.width as f32, image.width);
     let counts = |i: usize| {
         let center = |i: usize| 2.0 * (i as f32 + 0.5) / n - 1.0;
-        projection == Projection::LatLong || center(i % image.width).hypot(center(i / image.width)) <= 1.0
+        projection == Projection::LatLong || center(i % width).hypot(center(i / width)) <= 1.0
     };
-    let place = |i: usize| format!("column {}, row {}", i % image.width, i / image.width);
-    let used = || image.texels.iter().enumerate().filter(|(i, _)| counts(*i));
-    if let Some((i, texel)) = used().find(|(_, texel)| !texel.is_finite()) {
-        return Err(SceneError::new(format!("the radiance at {} is {texel}, not a finite number", place(i))));
+    if projection == Projection::Angular {
+        image.texels.iter_mut().enumerate().filter(|(i, _)| !counts(*i)).for_each(|(_, texel)| *texel = Vec3::ZERO);
     }
-    let mean = used().map(|(_, texel)| luminance(texel.max(Vec3::ZERO))).sum::<f32>() / used().count().max(1) as f32;
-    if let Some((i, texel)) = used().find(|(_, texel)| texel.min_element() < -NEGLIGIBLE * mean) {
-        return Err(SceneError::new(format!("the radiance at {} is negative: {texel}", place(i))));
+    let mut notes = Vec::new();
+    let changed = |limit: f32, texel: &mut Vec3| {
+        // Not a number is less than nothing here.
+        let within = texel.map(|x| if x > 0.0 { x.min(limit) } else { 0.0 });
+        std::mem::replace(texel, within) != within
+    };
+    match clamp {
+        Some(limit) => {
+            let count = image.texels.iter_mut().filter_map(|texel| changed(limit, texel).then_some(())).count();
+            if count > 0 {
+                notes.push(format!("radiance of {count} texels was clamped to lie within 0 and {limit}"));
+            }
+        }
+        None => check_radiance(image, projection)?,
+    }
+    if let Some(matrix) = to_rec709 {
+        let mut outside = 0;
+        for texel in &mut image.texels {
+            let converted = (matrix * texel.as_dvec3()).as_vec3();
+            outside += usize::from(converted.min_element() < -NEGLIGIBLE * luminance(converted));
+            *texel = converted.max(Vec3::ZERO).min(Vec3::splat(clamp.unwrap_or(f32::INFINITY)));
+        }
+        check_radiance(image, projection)?;
+        if outside > 0 {
+            notes.push(format!(
+                "colours of {outside} texels lie outside of Rec. 709; what they lack of a primary was set to 0"
+            ));
+        }
     }
     image.texels.iter_mut().for_each(|texel| *texel = texel.max(Vec3::ZERO));
+    Ok(notes)
+}
+
+/// Refuses radiance that isn't one.
+fn check_radiance(image: &Image, projection: Projection) -> Result<(), SceneError> {
+    let place = |i: usize| format!("column {}, row {}", i % image.width, i / image.width);
+    let remedy = "mend it, or give a largest radiance: `--clamp 65504`, or `clamp = 65504` in the environment of a scene \
+                  file, which also sets negative ones to 0";
+    let wrong = |i: usize, texel: &Vec3, what: &str, count: usize| {
+        let others = if count > 1 { format!(" (and {} others)", count - 1) } else { String::new() };
+        SceneError::new(format!("the radiance at {} is {texel}, {what}{others}", place(i))).with_remedy(remedy)
+    };
+    let mut bad = image.texels.iter().enumerate().filter(|(_, texel)| !texel.is_finite());
+    if let Some((i, texel)) = bad.next() {
+        return Err(wrong(i, texel, "not a finite number", 1 + bad.count()));
+    }
+    // In double precision, where no sum of them is infinite.
+    let sum: f64 = image.texels.iter().map(|texel| f64::from(luminance(texel.max(Vec3::ZERO)))).sum();
+    let disc = if projection == Projection::Angular { std::f64::consts::FRAC_PI_4 } else { 1.0 };
+    let least = -f64::from(NEGLIGIBLE) * sum / (disc * image.texels.len().max(1) as f64);
+    let mut bad = image.texels.iter().enumerate().filter(|(_, texel)| f64::from(texel.min_element()) < least);
+    if let Some((i, texel)) = bad.next() {
+        return Err(wrong(i, texel, "which is negative", 1 + bad.count()));
+    }
     Ok(())
 }
 
@@ -166,18 +243,47 @@ mod tests {
 
     #[test]
     fn impossible_radiance_is_named_and_undershoot_forgiven() {
+        let radiance = |image: &mut Image, projection, clamp| to_radiance(image, projection, None, clamp);
         for bad in [f32::NAN, f32::INFINITY, -1.0] {
             let mut damaged = image(8, 4);
             damaged.texels[13].y = bad;
-            let text = check_radiance(&mut damaged, Projection::LatLong).unwrap_err().to_string();
-            assert!(text.contains("column 5, row 1"), "{text}");
+            damaged.texels[20].x = bad;
+            let text = radiance(&mut damaged, Projection::LatLong, None).unwrap_err().to_string();
+            for word in ["column 5, row 1", "and 1 others", "--clamp"] {
+                assert!(text.contains(word), "{text}");
+            }
+            let notes = radiance(&mut damaged, Projection::LatLong, Some(9.0)).unwrap();
+            assert_eq!(damaged.texels[13].y, if bad == f32::INFINITY { 9.0 } else { 0.0 });
+            // Nine to thirty-two are larger, and the one that is damaged at 13 among them.
+            assert!(
+                notes[0].contains("23 texels") && damaged.texels.iter().all(|t| t.max_element() <= 9.0),
+                "{notes:?}"
+            );
         }
         let mut undershoot = image(8, 4);
         undershoot.texels[13].y = -0.05;
-        check_radiance(&mut undershoot, Projection::LatLong).unwrap();
+        assert!(radiance(&mut undershoot, Projection::LatLong, None).unwrap().is_empty());
         assert_eq!(undershoot.texels[13].y, 0.0);
         let mut captioned = image(4, 4);
         captioned.texels[15] = Vec3::NAN;
-        check_radiance(&mut captioned, Projection::Angular).unwrap();
+        assert!(radiance(&mut captioned, Projection::Angular, None).unwrap().is_empty());
+        let mut huge = image(8, 4);
+        huge.texels.fill(Vec3::splat(3e38));
+        huge.texels[13].y = -1e37;
+        assert!(radiance(&mut huge, Projection::LatLong, None).unwrap_err().problem.contains("negative"));
+    }
+
+    #[test]
+    fn conversion_keeps_white_and_tells_what_no_screen_shows() {
+        let matrix = DMat3::from_cols_array(&[1.5, -0.5, 0.0, -0.5, 1.5, 0.0, 0.0, 0.0, 1.0]);
+        let convert = |texel: Vec3, clamp| {
+            let mut one = image(2, 1);
+            one.texels = vec![Vec3::ONE, texel];
+            to_radiance(&mut one, Projection::LatLong, Some(matrix), clamp).map(|notes| (one.texels, notes.len()))
+        };
+        assert_eq!(convert(Vec3::splat(2.0), None).unwrap(), (vec![Vec3::ONE, Vec3::splat(2.0)], 0));
+        assert_eq!(convert(Vec3::X, None).unwrap(), (vec![Vec3::ONE, Vec3::new(1.5, 0.0, 0.0)], 1));
+        assert!(convert(Vec3::new(3e38, 0.0, 0.0), None).unwrap_err().problem.contains("finite"));
+        assert_eq!(convert(Vec3::new(f32::INFINITY, 0.0, 0.0), Some(8.0)).unwrap().0[1], Vec3::new(8.0, 0.0, 0.0));
     }
 }

@@ -21,6 +21,8 @@ const VERSION: u32 = 5;
 /// Longest edge, as a fraction of the mesh's largest extent, below which an uncovered piece of a triangle is covered by
 /// growing a sphere instead of being cut further.
 const COVER_TOLERANCE: f64 = 2e-4;
+/// Surface points to which spheres are fitted, at most.
+const SURFACE_POINTS: usize = 6_000;
 /// Rounds of tightening, each with the points that the one before left uncovered.
 const TIGHTEN_ROUNDS: usize = 4;
 /// Surface points that the polish covers, at most. With few, spheres shrink between them and must grow back in the end.
@@ -34,6 +36,9 @@ const MOST_VERTICES: usize = 40_000;
 const MEASURE_STEP: f64 = 1.0 / 200.0;
 /// A mesh whose volume is below this fraction of its largest extent cubed counts as a thin shell.
 const THIN: f64 = 1e-6;
+
+/// The largest number of spheres of a set: of at most [`SURFACE_POINTS`] points that stand for the surface, each has three.
+pub const MAX_SPHERES: usize = SURFACE_POINTS / 3;
 
 /// How a sphere set is fitted.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -74,7 +79,7 @@ impl SphereSet {
     ///
     /// # Errors
     /// A mesh without triangles, with indices out of range, with positions that are not finite or all in one place; a
-    /// count of 0.
+    /// count of 0 or of more than [`MAX_SPHERES`].
     pub fn build(
         mesh: &Mesh,
         count: usize,
@@ -84,6 +89,10 @@ impl SphereSet {
         let mesh = Normalized::new(mesh)?;
         if count == 0 {
             return Err(SceneError::new("a sphere set of 0 spheres bounds nothing").with_remedy("ask for 1 or more"));
+        }
+        if count > MAX_SPHERES {
+            return Err(SceneError::new(format!("{count} spheres are more than a mesh can use"))
+                .with_remedy(format!("ask for at most {MAX_SPHERES}")));
         }
         let step = (1.0 / (20.0 * (count as f64).cbrt())).clamp(1.0 / 200.0, 1.0 / 40.0);
         let mut solid = Solid::new(&mesh.corners, 2, step);
@@ -131,7 +140,7 @@ impl SphereSet {
             .into_par_iter()
             .map(|restart| {
                 let mut rng = Pcg64Mcg::seed_from_u64(options.seed.wrapping_mul(0x9e37_79b9).wrapping_add(restart));
-                let surface = surface_points(&mesh.corners, (30 * count).clamp(400, 6_000), &mut rng);
+                let surface = surface_points(&mesh.corners, (30 * count).clamp(400, SURFACE_POINTS), &mut rng);
                 let inner = inner_points(&solid.columns, mesh.bounds, surface.len() / 2);
                 let target = Target::new(&solid.columns, [surface, inner].concat());
                 let published = target.fit(count, teleports, &mut rng, progress);
@@ -490,6 +499,7 @@ mod tests {
     fn what_cannot_be_bounded_is_said() {
         let problem = |mesh: &Mesh, count| SphereSet::build(mesh, count, &QUICK, &Silent).unwrap_err().to_string();
         assert!(problem(&box_mesh(1), 0).contains("0 spheres"));
+        assert!(problem(&box_mesh(1), MAX_SPHERES + 1).contains("at most 2000"));
         assert!(problem(&Mesh::default(), 3).contains("without triangles"));
         let mut broken = box_mesh(1);
         broken.positions[2].y = f32::NAN;

@@ -16,7 +16,7 @@ mod solid;
 mod variational;
 
 pub use adjust::{AdjustRule, AdjustedSphere, COVER_HEIGHT, FADE_HEIGHT, adjust, adjusted};
-pub use build::BuildOptions;
+pub use build::{BuildOptions, MAX_SPHERES};
 pub use follow::{Followed, SphereBinding};
 pub use hierarchy::{HierarchyLevel, SphereHierarchy};
 pub use overlap::overlap_shares;

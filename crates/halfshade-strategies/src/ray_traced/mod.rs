@@ -68,6 +68,10 @@ impl Strategy for RayTraced {
         }
     }
 
+    fn needs_spheres(&self) -> bool {
+        false
+    }
+
     fn bake(&self, _: &Scene, params: &Params, _: &dyn Progress) -> Result<Box<dyn Baked>, StrategyError> {
         Ok(Box::new(Prepared {
             samples: params.integer("samples") as u32,

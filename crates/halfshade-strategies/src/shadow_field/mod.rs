@@ -156,6 +156,10 @@ impl Strategy for ShadowField {
         }
     }
 
+    fn needs_spheres(&self) -> bool {
+        false
+    }
+
     fn bake(&self, scene: &Scene, params: &Params, progress: &dyn Progress) -> Result<Box<dyn Baked>, StrategyError> {
         let sampling = params.choice("sampling");
         let baking = Baking {

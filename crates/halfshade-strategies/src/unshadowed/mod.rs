@@ -51,6 +51,10 @@ impl Strategy for Unshadowed {
         }
     }
 
+    fn needs_spheres(&self) -> bool {
+        false
+    }
+
     fn bake(&self, scene: &Scene, params: &Params, _: &dyn Progress) -> Result<Box<dyn Baked>, StrategyError> {
         let grid = OctahedralGrid::new(params.integer("normals") as usize);
         let mut prepared = Prepared {

@@ -278,6 +278,24 @@ pub fn preparing_twice_equals_once(strategy: &dyn Strategy, params: &Params) -> 
     Ok(())
 }
 
+/// A strategy that says it needs no sphere sets gives the same bits where none were built.
+pub fn who_needs_no_spheres_reads_none(strategy: &dyn Strategy, params: &Params) -> Checked {
+    if strategy.needs_spheres() {
+        return Ok(());
+    }
+    let blockers = [(Vec3::new(0.0, 1.6, 0.0), 0.8), (Vec3::new(1.5, 1.0, 0.6), 0.5)];
+    let scene =
+        lit(strategy, scenes::spheres(scenes::map(), &blockers.map(|(center, radius)| Sphere { center, radius })));
+    let receivers = ReceiverBuffer::vertices(&scene.frame(0));
+    let built = rendered(strategy, params, &scene, &receivers)?;
+    let mut unbuilt = scene.clone();
+    unbuilt.objects.iter_mut().for_each(|object| object.spheres = None);
+    if rendered(strategy, params, &unbuilt, &receivers)?.channels == built.channels {
+        return Ok(());
+    }
+    violation("needs no spheres, it says, but answers otherwise without".into())
+}
+
 /// Nothing but finite numbers at the extremes: light from 1e-6 to 1e6; no blocker to hundreds, among them the same one
 /// many times and some that enclose everything; receivers inside spheres, on their surface and next to it.
 pub fn every_output_is_finite(strategy: &dyn Strategy, params: &Params) -> Checked {
@@ -371,6 +389,12 @@ macro_rules! contract_tests {
             fn preparing_twice_equals_once() {
                 let (strategy, params) = subject();
                 check($crate::contract::preparing_twice_equals_once(&strategy, &params));
+            }
+
+            #[test]
+            fn who_needs_no_spheres_reads_none() {
+                let (strategy, params) = subject();
+                check($crate::contract::who_needs_no_spheres_reads_none(&strategy, &params));
             }
 
             #[test]

@@ -78,7 +78,7 @@ impl Context {
     /// The scene, its sphere sets not yet built, for a picture that goes to `output`.
     fn scene(&self, arguments: &SceneArguments, output: &Path) -> Result<Scene, Failure> {
         let (scene, inputs) =
-            input::recorded(|| scene_source::resolve(&arguments.scene, Path::new(""), arguments.env.as_deref()));
+            input::recorded(|| scene_source::resolve(&arguments.scene, Path::new(""), &arguments.light()));
         let mut scene = scene?;
         check_no_input(output, &inputs)?;
         scene.notes.iter().for_each(|note| self.bars.note(note));
@@ -111,6 +111,16 @@ fn prepare_output(context: &Context, output: &Path) -> Result<(), Failure> {
         context.bars.note(&format!("{} is there already and will be replaced", output.display()));
     }
     Ok(())
+}
+
+/// A picture in which nothing is to be seen would pass for one of a dark scene.
+fn sees_nothing(scene: &Scene) -> Failure {
+    let [width, height] = scene.camera.resolution;
+    Failure::Error(format!(
+        "the camera of scene `{}` sees nothing: no ray of {width}x{height} pixels meets an object; move or turn it, or give \
+         more pixels",
+        scene.name
+    ))
 }
 
 /// A file named after the scene, in the current folder.

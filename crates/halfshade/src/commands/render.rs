@@ -1,6 +1,6 @@
 //! `halfshade render`: one picture.
 
-use super::{Context, Failure, background, default_output, exposure, prepare_output};
+use super::{Context, Failure, background, default_output, exposure, prepare_output, sees_nothing};
 use crate::cli::{ReceiverChoice, RenderArguments};
 use halfshade_harness::{
     Variant,
@@ -24,8 +24,10 @@ pub(super) fn render(context: &Context, arguments: &RenderArguments) -> Result<E
     if !missing.is_empty() {
         return Err(Failure::Error(format!("`{}` can't model {missing}, which the scene requires", variant.name)));
     }
-    for note in scene.build_spheres(&context.cache, &context.bars)? {
-        context.bars.note(&note);
+    if strategy.needs_spheres() {
+        for note in scene.build_spheres(&context.cache, &context.bars)? {
+            context.bars.note(&note);
+        }
     }
     let frame = scene.frame(arguments.scene.frame);
     let tracer = Tracer::new(&frame);
@@ -35,6 +37,9 @@ pub(super) fn render(context: &Context, arguments: &RenderArguments) -> Result<E
             (ReceiverBuffer::vertices(&frame), Projection::of_vertices(&tracer, &frame, &scene.camera))
         }
     };
+    if projection.is_empty() {
+        return Err(sees_nothing(&scene));
+    }
     let failed = |error: halfshade_strategy::StrategyError| Failure::Error(format!("`{}`: {error}", variant.label));
     let mut baked = strategy.bake(&scene, &variant.params, &context.bars).map_err(failed)?;
     baked.prepare(&frame).map_err(failed)?;

@@ -10,12 +10,16 @@ use halfshade_harness::{
 };
 use halfshade_scene::{
     Progress, SphereSet, input,
-    spheres::{AdjustRule, BuildOptions},
+    spheres::{AdjustRule, BuildOptions, MAX_SPHERES},
 };
 use serde_json::json;
 use std::{process::ExitCode, sync::Arc};
 
 pub(super) fn spheres(context: &Context, arguments: &SpheresArguments) -> Result<ExitCode, Failure> {
+    if arguments.count.get() > MAX_SPHERES {
+        let problem = format!("-n {}: more than a mesh can use; at most {MAX_SPHERES}", arguments.count);
+        return Err(Failure::Error(problem));
+    }
     if let Some(output) = &arguments.output {
         prepare_output(context, output)?;
     }

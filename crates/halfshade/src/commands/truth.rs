@@ -1,6 +1,6 @@
 //! `halfshade truth`: the truth alone, with its standard error.
 
-use super::{Context, Failure, background, default_output, exposure, prepare_output};
+use super::{Context, Failure, background, default_output, exposure, prepare_output, sees_nothing};
 use crate::{cli::TruthArguments, terminal};
 use glam::Vec3;
 use halfshade_harness::{
@@ -25,6 +25,9 @@ pub(super) fn truth(context: &Context, arguments: &TruthArguments) -> Result<Exi
     let frame = scene.frame(arguments.scene.frame);
     let tracer = Tracer::new(&frame);
     let (receivers, projection) = Projection::of_pixels(&tracer, &scene.camera);
+    if projection.is_empty() {
+        return Err(sees_nothing(&scene));
+    }
     let options = Options {
         samples: arguments.samples.get(),
         seed: arguments.seed,
