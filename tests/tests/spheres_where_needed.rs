@@ -41,7 +41,10 @@ fn sets_are_built_for_those_who_read_them() {
     for (references, expected) in [("\"mesh\"", 0), ("\"mesh\", \"spheres\"", 1)] {
         fs::write(here.path().join("e.toml"), experiment(references)).expect("written");
         let cache = format!("cache-{expected}");
-        halfshade(here.path()).args(["run", "e.toml", "--cache", &cache]).assert().success();
+        halfshade(here.path())
+            .args(["run", "e.toml", "--out", &format!("out-{expected}"), "--cache", &cache])
+            .assert()
+            .success();
         assert_eq!(sets(&here.path().join(&cache)), expected, "{references}");
     }
 }
