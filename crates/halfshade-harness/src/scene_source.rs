@@ -11,6 +11,7 @@ use std::path::Path;
 
 /// Endings of mesh files.
 const MESHES: [&str; 4] = ["obj", "ply", "gltf", "glb"];
+
 /// The light of a mesh file.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct MeshLight<'a> {
