@@ -1,0 +1,112 @@
+//! Cache entries of every kind, and how they are read.
+
+use crate::file;
+use glam::Vec3;
+use halfshade_harness::{
+    ReferenceKind,
+    reference::{Accuracy, ReferenceTracer},
+};
+use halfshade_scene::{
+    Cache, Environment, Material, Mesh, Motion, Object, Pose, ReceiverBuffer, Scene, SphereSet, builtin::shapes,
+    progress::Silent, spheres::BuildOptions,
+};
+use halfshade_strategy::Params;
+use std::{
+    path::{Path, PathBuf},
+    sync::{Arc, LazyLock},
+};
+
+const MARK: &[u8] = b"HSCACHE1";
+
+/// An entry with this payload and the checksum of it.
+pub fn with_checksum(payload: &[u8]) -> Vec<u8> {
+    [MARK, blake3::hash(payload).as_bytes(), payload].concat()
+}
+
+/// Payloads of all entries that the users of the cache write.
+pub fn cache_payloads() -> Vec<Vec<u8>> {
+    ENTRIES.iter().map(|(_, _, entry)| entry[MARK.len() + 32..].to_vec()).collect()
+}
+
+/// Lets the entry number `which`, modulo their count, be `bytes`, and asks for what it holds.
+pub fn cache_entry(which: u8, bytes: &[u8]) {
+    let (user, path, sound) = &ENTRIES[usize::from(which) % ENTRIES.len()];
+    std::fs::write(path, bytes).expect("a file can be written");
+    user(path.parent().expect("a folder"));
+    std::fs::write(path, sound).expect("a file can be written");
+}
+
+type User = fn(&Path);
+
+/// Who asks, the entry's path, and what it holds.
+static ENTRIES: LazyLock<Vec<(User, PathBuf, Vec<u8>)>> = LazyLock::new(|| {
+    let users: [User; 4] = [spheres, harmonics, wavelets, truth];
+    let mut entries = Vec::new();
+    for (number, user) in users.into_iter().enumerate() {
+        let folder = file("mark", &[]).with_file_name(format!("cache-{number}"));
+        std::fs::create_dir_all(&folder).expect("a folder");
+        user(&folder);
+        let mut paths: Vec<PathBuf> =
+            std::fs::read_dir(&folder).expect("a folder").map(|entry| entry.expect("an entry").path()).collect();
+        paths.sort();
+        assert!(!paths.is_empty(), "nothing was cached");
+        entries.extend(paths.into_iter().map(|path| {
+            let bytes = std::fs::read(&path).expect("an entry");
+            (user, path, bytes)
+        }));
+    }
+    entries
+});
+
+fn tetrahedron() -> Mesh {
+    let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+    let normals = positions.iter().map(|p| (*p - Vec3::splat(0.25)).normalize()).collect();
+    Mesh { positions, normals, triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], ..Mesh::default() }
+}
+
+fn scene(mesh: Mesh) -> Scene {
+    let object = Object {
+        name: "x".into(),
+        mesh: Arc::new(mesh),
+        material: Material::default(),
+        sphere_count: 0,
+        spheres: None,
+        cluster_count: 0,
+        motion: Motion::Still(Pose::IDENTITY),
+        skin: None,
+    };
+    Scene::at_rest("x", vec![object], Environment::constant(Vec3::ONE))
+}
+
+fn spheres(folder: &Path) {
+    let cache = Cache::open(Some(folder.to_owned()));
+    let _ = SphereSet::build_cached(&tetrahedron(), 1, &BuildOptions::default(), &cache, &Silent);
+}
+
+fn fields(folder: &Path, settings: &str) {
+    let strategies = halfshade::strategies(&Cache::open(Some(folder.to_owned())));
+    let strategy = strategies.iter().find(|strategy| strategy.info().name == "shadow-field").expect("shadow fields");
+    let params = Params::parse(&strategy.info().parameters, settings).expect("parameters");
+    let _ = strategy.bake(&scene(tetrahedron()), &params, &Silent);
+}
+
+fn harmonics(folder: &Path) {
+    fields(folder, "bands=1,shells=1,inner=0,resolution=2,map=8");
+}
+
+fn wavelets(folder: &Path) {
+    fields(folder, "basis=haar,shells=1,inner=0,resolution=2,face=2");
+}
+
+fn truth(folder: &Path) {
+    let cache = Cache::open(Some(folder.to_owned()));
+    let scene = scene(shapes::plane(1));
+    let receivers = ReceiverBuffer::vertices(&scene.frame(0));
+    let tracer = ReferenceTracer {
+        accuracy: Accuracy { samples: 16, relative_noise: None, seed: 1 },
+        band_limit: &|environment, _| environment.clone(),
+        cache: &cache,
+        progress: &Silent,
+    };
+    let _ = tracer.trace(&scene, 0, receivers.view(), ReferenceKind::Mesh);
+}

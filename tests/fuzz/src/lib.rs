@@ -1,0 +1,65 @@
+//! What the fuzz targets share.
+//!
+//! Targets go through the same doors as the program: a file at a path, and what lies beside it. A target fails when
+//! something panics, hangs, takes more memory than it is given, or when what was read breaks a promise of its type.
+
+mod cache;
+mod journal;
+pub mod seeds;
+
+pub use cache::{cache_entry, cache_payloads, with_checksum};
+pub use journal::{journal_header, with_checksums};
+
+use halfshade_scene::{Mesh, light::EnvironmentMap};
+use std::{
+    path::PathBuf,
+    sync::{LazyLock, Once},
+};
+use tempfile::TempDir;
+
+/// One folder per process, in TMPDIR.
+static FOLDER: LazyLock<TempDir> = LazyLock::new(|| tempfile::tempdir().expect("a temporary folder"));
+
+/// Writes `bytes` to a file of this name and gives its path.
+pub fn file(name: &str, bytes: &[u8]) -> PathBuf {
+    let path = FOLDER.path().join(name);
+    std::fs::write(&path, bytes).expect("a file can be written");
+    path
+}
+
+/// Writes small files that others may name: `a.obj`, `a.bin`, `a.hdr`, `a.png`, `a.toml`.
+pub fn beside() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        for (name, bytes) in seeds::companions() {
+            file(name, &bytes);
+        }
+    });
+}
+
+/// What [`Mesh`] promises.
+pub fn check_mesh(mesh: &Mesh) {
+    let count = mesh.positions.len();
+    assert!(mesh.triangles.iter().flatten().all(|v| (*v as usize) < count), "an index out of range");
+    assert!(mesh.positions.iter().all(|p| p.is_finite()), "a position that isn't finite");
+    assert_eq!(mesh.normals.len(), count, "a normal per vertex");
+    assert!(mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-3), "a normal that isn't a unit vector");
+    assert!(mesh.colors.is_empty() || mesh.colors.len() == count, "a colour per vertex");
+    let in_unit = |c: &glam::Vec3| c.is_finite() && c.min_element() >= 0.0 && c.max_element() <= 1.0;
+    assert!(mesh.colors.iter().all(in_unit), "a colour outside [0, 1]");
+    let coordinates = &mesh.texture_coordinates;
+    assert!(coordinates.is_empty() || coordinates.len() == count, "coordinates per vertex");
+    for place in coordinates {
+        assert!(place.is_finite() && (place.z as usize) < mesh.textures.len().max(1), "a texture that isn't there");
+    }
+    for texture in &mesh.textures {
+        assert!(coordinates.iter().all(|place| texture.at(place.truncate().as_dvec2()).is_finite()));
+    }
+}
+
+/// What [`EnvironmentMap`] and its loader promise.
+pub fn check_map(map: &EnvironmentMap) {
+    assert_eq!(map.texels().len(), map.width() * map.height());
+    assert!(map.texels().iter().all(|l| l.is_finite() && l.min_element() >= 0.0), "radiance that isn't light");
+}
+
