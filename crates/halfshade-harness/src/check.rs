@@ -274,6 +274,7 @@ mod tests {
     }
 
     #[test]
+    #[expect(clippy::print_stdout, reason = "shown with --nocapture: both rates")]
     fn other_seeds_of_the_truth_raise_no_alarm_and_growth_by_a_twentieth_is_found() {
         const SEEDS: u64 = 100;
         let mut scenes: Vec<(Traced, Reference)> =

@@ -134,11 +134,10 @@ impl Reference {
             let values = draw.channels.iter_mut().flatten().zip(other.channels.iter().flatten());
             values.for_each(|(value, other)| *value -= *other);
         }
-        for channel in 0..3 {
-            for i in 0..both.radiance.len() {
+        for (channel, errors) in both.standard_error.channels.iter_mut().enumerate() {
+            for (i, error) in errors.iter_mut().enumerate() {
                 let squares = both.draws.iter().map(|draw| f64::from(draw.channels[channel][i]).powi(2));
-                let mean = squares.sum::<f64>() / both.draws.len() as f64;
-                both.standard_error.channels[channel][i] = mean.sqrt() as f32;
+                *error = (squares.sum::<f64>() / both.draws.len() as f64).sqrt() as f32;
             }
         }
         both
@@ -337,10 +336,8 @@ mod tests {
             squares += m.rmse * m.rmse / 40.0;
             let figures = [m.rmse, m.bias, m.mae, m.p95, m.p99, m.max];
             let noise = [Some(m.rmse_noise), m.bias_noise, m.mae_noise, m.p95_noise, m.p99_noise, m.max_noise];
-            for figure in 0..6 {
-                found[figure].push(figures[figure]);
-                predicted[figure] += noise[figure].unwrap() / 40.0;
-            }
+            found.iter_mut().zip(figures).for_each(|(values, figure)| values.push(figure));
+            predicted.iter_mut().zip(noise).for_each(|(sum, noise)| *sum += noise.unwrap() / 40.0);
         }
         assert!((squares.sqrt() / error - 1.0).abs() < 0.05, "{}", squares.sqrt());
         for (figure, (values, predicted)) in found.iter().zip(predicted).enumerate() {

@@ -149,6 +149,7 @@ mod tests {
 
     /// Over seeds of the truth: what figures do, and what their noise claims.
     #[test]
+    #[expect(clippy::print_stdout, reason = "shown with --nocapture: the rates themselves")]
     fn what_is_claimed_covers_what_other_seeds_give() {
         for traced in Traced::all() {
             let references: Vec<_> = (0..SEEDS as u64).map(|seed| traced.reference(seed)).collect();

@@ -92,12 +92,7 @@ fn hider(tracer: &Tracer, receivers: &Receivers<'_>, i: usize, points: &Points, 
             }
         });
     }
-    let mut most = 0;
-    for class in 1..hidden.len() {
-        if hidden[class] > hidden[most] {
-            most = class;
-        }
-    }
+    let most = (1..hidden.len()).fold(0, |most, class| if hidden[class] > hidden[most] { class } else { most });
     let least = LEAST_SHARE * all;
     if hidden.iter().sum::<f64>() > least { Hider::ALL[most] } else { Hider::Nothing }
 }
