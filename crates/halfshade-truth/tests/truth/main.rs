@@ -2,6 +2,7 @@
 
 mod bounces;
 mod closed_forms;
+mod cutouts;
 mod estimator;
 mod gloss;
 mod ground_scale;
