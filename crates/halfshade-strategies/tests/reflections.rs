@@ -5,6 +5,7 @@ use halfshade_scene::{
     Cache, Environment, Frame, Material, Motion, Object, Pose, RadianceBuffer, ReceiverBuffer, Scene, Sphere,
     SphereSet,
     builtin::{self, shapes},
+    light::{EnvironmentMap, Sun},
     progress::Silent,
 };
 use halfshade_strategies::sh_exp::ShExp;
@@ -313,6 +314,131 @@ fn extremes_stay_finite_and_gain_no_energy() {
             let radiance = shade(&scene, &frame, &receivers, settings);
             let wrong = radiance.channels.iter().flatten().find(|&&value| !(-0.05..1.25).contains(&value));
             assert!(wrong.is_none(), "{} spheres, {albedo}, {scale}, {settings}: {wrong:?}", spheres.len());
+        }
+    }
+}
+
+/// Radiance of a scene's vertices.
+fn at_vertices(scene: &Scene, settings: &str) -> RadianceBuffer {
+    shade(scene, &scene.frame(0), &ReceiverBuffer::vertices(&scene.frame(0)), settings)
+}
+
+/// White balls that overlap, sink into the ground and hang above it, on white ground.
+fn sunken() -> Scene {
+    let places = [[0.0, 0.3, 0.0], [0.4, -0.2, 0.3], [0.3, 0.9, -0.5], [-2.0, 0.1, 0.4], [0.0, 0.3, 0.1]];
+    let mut objects: Vec<Object> = places.iter().map(|&place| ball(Vec3::from(place), 0.7, Vec3::ONE)).collect();
+    objects.push(Object {
+        mesh: Arc::new(shapes::plane(8)),
+        sphere_count: 0,
+        spheres: None,
+        ..ball(Vec3::ZERO, 4.0, Vec3::ONE)
+    });
+    scene(objects, 0)
+}
+
+/// What `clamp=on` promises, whatever else is chosen.
+#[test]
+fn clamped_light_stays_between_nothing_and_unshadowed() {
+    let dim = Environment::map(
+        EnvironmentMap::new(16, 8, (0..128).map(|i| Vec3::splat(if i == 37 { 40.0 } else { 0.02 })).collect()).unwrap(),
+    );
+    let suns = Environment {
+        sun: Some(Sun { direction: Vec3::new(0.6, 0.8, 0.0), angular_radius: 0.05, radiance: Vec3::splat(50.0) }),
+        ..Environment::constant(Vec3::splat(0.1))
+    };
+    for environment in [Environment::constant(Vec3::ONE), dim, suns] {
+        let direct = Scene { environment, ..sunken() };
+        let reflected = Scene { bounces: 2, ..direct.clone() };
+        for settings in [
+            "exp=hybrid",
+            "exp=product",
+            "exp=series",
+            "exp=series,scaling=off",
+            "exp=optimal-linear",
+            "exp=quadratic",
+            "exp=shares",
+            "exp=traced,directions=256",
+            "overlap=shared",
+            "levels=cluster",
+            "levels=tree",
+            "rule=published",
+            "rule=covering,window=hann",
+        ] {
+            for bands in [1, 4] {
+                let settings = format!("{settings},bands={bands},normals=4,clamp=on,ground=seen");
+                let open: Vec<f32> = {
+                    let alone = Scene { objects: vec![direct.objects[5].clone()], ..direct.clone() };
+                    let receivers = ReceiverBuffer::vertices(&direct.frame(0));
+                    shade(&alone, &alone.frame(0), &receivers, &format!("bands={bands},normals=4")).channels[0].clone()
+                };
+                let found = at_vertices(&direct, &settings);
+                for (i, (&value, &open)) in found.channels[0].iter().zip(&open).enumerate() {
+                    let most = open * (1.0 + 1e-5) + 1e-6;
+                    assert!(value >= 0.0 && value <= most, "{settings}, {i}: {value} of {open}");
+                }
+                if !settings.contains("tree") {
+                    let found = at_vertices(&reflected, &settings);
+                    assert!(found.channels[0].iter().all(|&value| value >= 0.0 && value.is_finite()), "{settings}");
+                }
+            }
+        }
+    }
+}
+
+/// Poses and sun turned as scene files turn them, while light space stays where it is.
+#[test]
+fn turning_poses_and_sun_changes_shares_no_more_than_rounding() {
+    let axes = [Vec3::X, Vec3::Y, Vec3::new(0.48, 0.6, -0.64)];
+    let sun = Sun { direction: Vec3::new(0.6, 0.8, 0.0), angular_radius: 0.05, radiance: Vec3::splat(50.0) };
+    for environment in
+        [Environment::constant(Vec3::ONE), Environment { sun: Some(sun), ..Environment::constant(Vec3::ZERO) }]
+    {
+        let straight = Scene { environment, ..sunken() };
+        for settings in ["exp=hybrid", "exp=product", "exp=quadratic", "exp=shares", "exp=shares,points=3,bands=6"] {
+            let before = at_vertices(&straight, settings);
+            for (i, axis) in axes.into_iter().enumerate() {
+                let turn = Quat::from_axis_angle(axis, 0.7 + 1.3 * i as f32);
+                let mut turned = straight.clone();
+                for object in &mut turned.objects {
+                    let Motion::Still(pose) = object.motion else { panic!("at rest") };
+                    object.motion = Motion::Still(pose.then(&Pose { rotation: turn, ..Pose::IDENTITY }));
+                }
+                if let Some(sun) = &mut turned.environment.sun {
+                    sun.direction = turn * sun.direction;
+                }
+                let difference = largest_difference(&before, &at_vertices(&turned, settings));
+                let strength = before.channels[0].iter().copied().fold(0.0, f32::max);
+                assert!(difference < 2e-3 * strength, "{settings} about {axis}: {difference} of {strength}");
+            }
+        }
+    }
+}
+
+/// Everything is linear in the light, from the least normal number to the largest that a scene's light comes to.
+#[test]
+fn light_scales_with_ground_and_reflections() {
+    let base = Scene { bounces: 2, ..sunken() };
+    let texels = |strength: f32| (0..128).map(|i| Vec3::new(1.0, 0.5, 0.1) * strength * (1 + i % 7) as f32).collect();
+    let at = |strength: f32, is_map: bool, settings: &str| {
+        let environment = if is_map {
+            Environment::map(EnvironmentMap::new(16, 8, texels(strength)).unwrap())
+        } else {
+            Environment::constant(Vec3::new(1.0, 0.5, 0.1) * strength)
+        };
+        at_vertices(&Scene { environment, ..base.clone() }, settings)
+    };
+    for settings in
+        ["ground=seen,normals=4", "ground=seen,normals=4,clamp=on,exp=shares", "bands=2,normals=4,exp=product"]
+    {
+        for is_map in [false, true] {
+            let unit = at(1.0, is_map, settings);
+            for strength in [1e-37f32, 1e30] {
+                let scaled = at(strength, is_map, settings);
+                for (scaled, unit) in scaled.channels.iter().flatten().zip(unit.channels.iter().flatten()) {
+                    let difference = (scaled / strength - unit).abs();
+                    assert!(difference < 1e-4 * (1.0 + unit.abs()), "{settings}, {strength}: {scaled} for {unit}");
+                }
+            }
         }
     }
 }

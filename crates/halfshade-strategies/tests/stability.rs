@@ -190,7 +190,7 @@ fn the_same_blocker_repeated() {
     let receivers = tilted();
     every_variant(|settings, baked| {
         let once = shade(baked, &scene(Environment::constant(Vec3::ONE), &[ball]), &receivers).at(0).x;
-        for count in [2, 16, 300] {
+        for count in [2, 16, 300, 1500] {
             let scene = scene(Environment::constant(Vec3::ONE), &vec![ball; count]);
             let out = shade(baked, &scene, &receivers);
             assert_bounded(&out, 1.0, settings);
@@ -230,6 +230,9 @@ fn receivers_inside_on_and_next_to_spheres() {
         Sphere { center: Vec3::ZERO, radius: 1.0 },
         Sphere { center: Vec3::new(0.5, 0.2, 0.0), radius: 0.8 },
         Sphere { center: Vec3::new(1e3, 0.0, 0.0), radius: 999.5 },
+        Sphere { center: Vec3::ZERO, radius: 0.0 },
+        Sphere { center: Vec3::new(0.0, 0.5, 0.0), radius: 0.0 },
+        Sphere { center: Vec3::new(0.0, 0.6, 0.8), radius: 1e-30 },
     ];
     let mut places = Vec::new();
     for distance in [0.0, 1e-7, 0.5, 1.0 - 1e-7, 1.0, 1.0 + 1e-7, 1.1] {
@@ -246,12 +249,12 @@ fn receivers_inside_on_and_next_to_spheres() {
 }
 
 #[test]
-fn light_from_a_millionth_to_a_million_scales() {
+fn light_scales_from_the_least_to_the_largest_numbers() {
     let spheres = [Sphere { center: Vec3::new(0.4, 1.2, 0.0), radius: 0.6 }];
     let receivers = tilted();
     every_variant(|settings, baked| {
         let unit = shade(baked, &scene(Environment::constant(Vec3::ONE), &spheres), &receivers);
-        for strength in [1e-6f32, 1e6] {
+        for strength in [1e-38f32, 1e-6, 1e6, 1e30] {
             let out = shade(baked, &scene(Environment::constant(Vec3::splat(strength)), &spheres), &receivers);
             assert_bounded(&out, strength, settings);
             for (scaled, value) in out.channels[0].iter().zip(&unit.channels[0]) {

@@ -25,7 +25,7 @@ use super::{
     levels::{Level, Levels},
 };
 use glam::{DMat3, DQuat, DVec3, Vec3};
-use halfshade_scene::{Deformed, Frame, Object, Receivers, Scene, Sphere, cluster, clusters::bounding_sphere};
+use halfshade_scene::{Deformed, Frame, Object, Pose, Receivers, Scene, Sphere, cluster, clusters::bounding_sphere};
 use halfshade_sh::{
     blocker_table::BlockerTable,
     kernel::{self, MAX_BANDS},
@@ -70,6 +70,10 @@ pub(super) struct CutSettings {
 /// Receivers per cluster of an object that doesn't say how many clusters it has: the thesis's scenes have 400 to 800.
 const RECEIVERS_PER_CLUSTER: usize = 600;
 
+/// Fewest receivers per cluster, and most clusters, of such an object.
+const FEWEST_PER_CLUSTER: usize = 16;
+const MOST_CLUSTERS: usize = 256;
+
 /// A cluster of an object's receivers, in the object's space.
 #[derive(Debug, Clone)]
 pub(super) struct ReceiverCluster {
@@ -96,9 +100,12 @@ pub(super) fn clusters(scene: &Scene, choice: Choice) -> Vec<Vec<ReceiverCluster
     if choice == Choice::Leaves {
         return Vec::new();
     }
-    let of = |object: &Object| {
+    let sizes: Vec<Option<f64>> = (scene.objects.iter().zip(scene.frame(0).world_from_object))
+        .map(|(object, pose)| size(object, &pose))
+        .collect();
+    let of = |(number, object): (usize, &Object)| {
         let count = match object.cluster_count {
-            0 => object.mesh.positions.len().div_ceil(RECEIVERS_PER_CLUSTER),
+            0 => default_count(scene, number, &sizes),
             count => count,
         };
         let clusters = cluster(&object.mesh.positions, count, 0);
@@ -116,7 +123,28 @@ pub(super) fn clusters(scene: &Scene, choice: Choice) -> Vec<Vec<ReceiverCluster
             .map(|((bound, normal), members)| ReceiverCluster { bound, normal: normal.normalize_or(DVec3::Y), members })
             .collect()
     };
-    scene.objects.iter().map(of).collect()
+    scene.objects.iter().enumerate().map(of).collect()
+}
+
+/// Half the diagonal of an object's box in the world.
+fn size(object: &Object, pose: &Pose) -> Option<f64> {
+    let (low, high) = object.mesh.bounds()?;
+    let size = 0.5 * f64::from(pose.scale) * (high - low).as_dvec3().length();
+    (size > 0.0 && size.is_finite()).then_some(size)
+}
+
+/// How many clusters an object has that doesn't say.
+///
+/// From within a cluster that surrounds a blocker no sphere of it is small: a cluster is to be no larger than the smallest
+/// other object that blocks, so that a wide ground has near and far parts. That is the squared ratio of their sizes for a
+/// surface; but no fewer than its vertices ask for, and no more than they can fill.
+fn default_count(scene: &Scene, number: usize, sizes: &[Option<f64>]) -> usize {
+    let receivers = scene.objects[number].mesh.positions.len();
+    let others = scene.objects.iter().enumerate().filter(|&(other, object)| other != number && object.sphere_count > 0);
+    let smallest = others.filter_map(|(other, _)| sizes[other]).reduce(f64::min);
+    let by_size = sizes[number].zip(smallest).map_or(0.0, |(own, smallest)| (own / smallest).powi(2).ceil());
+    let most = receivers.div_ceil(FEWEST_PER_CLUSTER).min(MOST_CLUSTERS);
+    (by_size as usize).min(most).max(receivers.div_ceil(RECEIVERS_PER_CLUSTER))
 }
 
 /// The cuts of a frame, in the space of the light: turned like the environment, so that its tables hold for every turn, and
@@ -135,6 +163,9 @@ pub(super) struct Cuts {
     /// Light space from world space: `rotation · (point - center)`.
     pub(super) rotation: DMat3,
     pub(super) center: DVec3,
+    /// A space that turns with what blocks, that of the first object with spheres, from light space: what is sampled in fixed
+    /// directions there doesn't change when light and scene are turned, however the light's turn is described.
+    pub(super) blockers_from_light: DMat3,
 }
 
 /// A cut with parents in it, beside its refinement.
@@ -176,6 +207,7 @@ impl Default for Cuts {
             turns: Vec::new(),
             rotation: DMat3::IDENTITY,
             center: DVec3::ZERO,
+            blockers_from_light: DMat3::IDENTITY,
         }
     }
 }
@@ -219,7 +251,10 @@ impl Cuts {
             *place = rotation * (*place - center);
         }
 
-        let mut cuts = Self { cuts: Vec::new(), turns, rotation, center, ..Self::default() };
+        let blocks = |(object, pose): (&Object, &Pose)| (object.sphere_count > 0).then_some(pose.rotation);
+        let first = frame.scene.objects.iter().zip(&frame.world_from_object).find_map(blocks).unwrap_or_default();
+        let blockers_from_light = DMat3::from_quat(first.as_dquat().normalize().conjugate()) * rotation.transpose();
+        let mut cuts = Self { cuts: Vec::new(), turns, rotation, center, blockers_from_light, ..Self::default() };
         if settings.choice == Choice::Leaves {
             cuts.cuts.push(objects.iter().flat_map(|object| object.level(0)).collect());
             return Ok(cuts);
@@ -343,7 +378,7 @@ impl Cuts {
     }
 }
 
-fn placed(sphere: &Sphere, pose: &halfshade_scene::Pose) -> (DVec3, f64) {
+fn placed(sphere: &Sphere, pose: &Pose) -> (DVec3, f64) {
     let center = pose.rotation.as_dquat() * (f64::from(pose.scale) * sphere.center.as_dvec3());
     (center + pose.translation.as_dvec3(), f64::from(pose.scale * sphere.radius))
 }
@@ -461,5 +496,52 @@ fn add_log<const N: usize>(logs: &BlockerTable, blocker: &Blocker, place: [f32; 
         let zonal = logs.lookup::<N>(f32x8::splat((blocker.radius * blocker.radius / squared).min(1.0)));
         let direction = offset.map(|x| f32x8::splat(x / squared.sqrt()));
         kernel::accumulate_lobe(direction, &blocker.times_factors(zonal), sum);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{sh_exp::levels::Overlap, test_scenes::with_spheres};
+    use halfshade_scene::{Environment, Motion, ReceiverBuffer, SphereSet, builtin::shapes};
+
+    /// A ball of 48 spheres stands on a ground 30 times as wide. Without a number of clusters most of the ground sees few of
+    /// them; one cluster sees all.
+    #[test]
+    fn wide_ground_has_near_and_far_clusters() {
+        let spheres = (0..48).map(|i| {
+            let z = -1.0 + 2.0 * (i as f32 + 0.5) / 48.0;
+            let (sin, cos) = (2.4 * i as f32).sin_cos();
+            let across = (1.0 - z * z).sqrt();
+            Sphere { center: 0.7 * Vec3::new(across * cos, z, across * sin), radius: 0.3 }
+        });
+        let set = SphereSet { spheres: spheres.collect(), ..SphereSet::default() };
+        let whole = Sphere { center: Vec3::Y, radius: 1.0 };
+        let mut scene = with_spheres(Environment::constant(Vec3::ONE), &[whole]);
+        let mut ball = scene.objects[0].clone();
+        ball.mesh = Arc::new(shapes::sphere(8));
+        (ball.sphere_count, ball.spheres, ball.cluster_count) = (48, Some(Arc::new(set)), 0);
+        let mut ground = ball.clone();
+        (ground.mesh, ground.sphere_count, ground.spheres) = (Arc::new(shapes::plane(64)), 0, None);
+        ground.motion = Motion::Still(Pose { scale: 30.0, ..Pose::IDENTITY });
+        scene.objects = vec![ball, ground];
+        let visited = |choice, clusters: usize| {
+            let mut scene = scene.clone();
+            scene.objects[1].cluster_count = clusters;
+            let mut levels = Levels::new(&scene, Overlap::Independent, Some(4));
+            let threshold_sine = 15f64.to_radians().sin();
+            let settings = CutSettings { choice, threshold_sine, ratios: false, reflection_ratios: None, bands: 4 };
+            let frame = scene.frame(0);
+            let cuts = Cuts::new(&frame, &mut levels, &super::clusters(&scene, choice), None, &settings).unwrap();
+            let receivers = ReceiverBuffer::vertices(&frame);
+            let first = scene.objects[0].mesh.positions.len();
+            let numbers = cuts.of(receivers.view(), CutOf::Cluster).unwrap();
+            let sizes = numbers[first..].iter().map(|&cut| cuts.cut(cut as usize).len());
+            sizes.sum::<usize>() as f64 / (numbers.len() - first) as f64
+        };
+        for choice in [Choice::Level, Choice::Tree] {
+            let (one, default) = (visited(choice, 1), visited(choice, 0));
+            assert!(one == 48.0 && default < 16.0, "{choice:?}: {one} spheres with one cluster, {default} by default");
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::Prepared;
 use super::blockers::{Blocker, Seen};
+use glam::DMat3;
 use halfshade_sh::kernel::{self, CapBatch, ExposedShares, ShBatch};
 use wide::f32x8;
 
@@ -9,11 +10,17 @@ use wide::f32x8;
 pub(super) struct Exposure {
     seen: Vec<Seen>,
     shares: ExposedShares,
+    /// Into the space in which shares have fixed sample points, row by row.
+    turn: [f32x8; 9],
 }
 
 impl Exposure {
-    pub(super) fn new(points: usize, spheres: usize) -> Self {
-        Self { seen: Vec::with_capacity(spheres), shares: ExposedShares::new(points, spheres) }
+    pub(super) fn new(points: usize, spheres: usize, turn: DMat3) -> Self {
+        Self {
+            seen: Vec::with_capacity(spheres),
+            shares: ExposedShares::new(points, spheres),
+            turn: turn.transpose().to_cols_array().map(|value| f32x8::splat(value as f32)),
+        }
     }
 
     /// `V = 1 - Σ w_s cap_s` with the exposed shares w_s of [`ExposedShares`], held to the range of visibility.
@@ -29,8 +36,12 @@ impl Exposure {
     ) -> ShBatch<N> {
         self.seen.clear();
         self.seen.extend(blockers.iter().filter_map(|blocker| blocker.seen_from(position, normal, prepared.rule)));
+        let turn = &self.turn;
         let caps = self.seen.iter().map(|seen| CapBatch {
-            direction: seen.direction,
+            direction: std::array::from_fn(|axis| {
+                let [x, y, z] = seen.direction;
+                turn[3 * axis].mul_add(x, turn[3 * axis + 1].mul_add(y, turn[3 * axis + 2] * z))
+            }),
             // 1 - cos θ without cancellation.
             versine: seen.sin_squared / (f32x8::ONE + (f32x8::ONE - seen.sin_squared).sqrt()),
         });

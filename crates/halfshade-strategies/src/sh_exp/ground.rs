@@ -55,6 +55,8 @@ pub(super) struct Ground {
     cosine: Vec<f32>,
     /// Per object; none where it has no spheres, or sees nothing.
     fields: Vec<Option<Field>>,
+    /// The same of a black ground: what it takes away.
+    taken: Vec<Option<Field>>,
     /// Points that were met.
     pub(super) points: ReceiverBuffer,
     /// Of each point: object, place and direction.
@@ -95,6 +97,7 @@ impl Ground {
             others,
             cosine,
             fields: Vec::new(),
+            taken: Vec::new(),
             points: ReceiverBuffer::default(),
             met: Vec::new(),
         })
@@ -140,6 +143,7 @@ impl Ground {
         }
         let black = RadianceBuffer::zeros(self.points.len());
         self.shine(&black);
+        self.taken.clone_from(&self.fields);
     }
 
     /// Lets the points that were met radiate.
@@ -179,7 +183,31 @@ impl Ground {
         normal: &[f32x8; 3],
         visibility: &ShBatch<N>,
     ) -> [f32x8; 3] {
-        let Some(field) = self.fields.get(object as usize).and_then(Option::as_ref) else { return [f32x8::ZERO; 3] };
+        self.of_fields(&self.fields, object, position, normal, visibility)
+    }
+
+    /// The part of [`Self::radiance`] that the ground takes away of the environment's light, below 0 but for ringing.
+    #[inline(always)]
+    pub(super) fn taken<const N: usize>(
+        &self,
+        object: u32,
+        position: &[f32x8; 3],
+        normal: &[f32x8; 3],
+        visibility: &ShBatch<N>,
+    ) -> [f32x8; 3] {
+        self.of_fields(&self.taken, object, position, normal, visibility)
+    }
+
+    #[inline(always)]
+    fn of_fields<const N: usize>(
+        &self,
+        fields: &[Option<Field>],
+        object: u32,
+        position: &[f32x8; 3],
+        normal: &[f32x8; 3],
+        visibility: &ShBatch<N>,
+    ) -> [f32x8; 3] {
+        let Some(field) = fields.get(object as usize).and_then(Option::as_ref) else { return [f32x8::ZERO; 3] };
         let cosine = kernel::times_bands(&kernel::basis::<f32x8, N>(*normal), &self.cosine);
         let weights = kernel::product(&cosine, visibility);
         let offset: [f32x8; 3] = std::array::from_fn(|k| position[k] - f32x8::splat(field.center[k]));
@@ -200,7 +228,7 @@ impl Ground {
 
     pub(super) fn bytes(&self) -> usize {
         let field = 12 * self.bands * self.bands * size_of::<f32>();
-        self.fields.iter().flatten().count() * field + size_of_val(self.met.as_slice())
+        2 * self.fields.iter().flatten().count() * field + size_of_val(self.met.as_slice())
     }
 
     /// Finds the environment's light along the directions.

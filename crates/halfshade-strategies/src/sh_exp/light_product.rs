@@ -106,6 +106,15 @@ impl LightProduct {
         self.table = table.as_chunks::<LANES>().0.iter().map(|&row| f32x8::from(row)).collect();
     }
 
+    /// Whether no light has a colour.
+    pub(super) fn is_grey(&self) -> bool {
+        let base = match &self.base {
+            DistantLight::Constant(radiance) => is_grey(*radiance),
+            DistantLight::Map(_) => self.channels == 1,
+        };
+        base && self.sun.as_ref().is_none_or(SunProduct::is_grey)
+    }
+
     pub(super) fn bytes(&self) -> usize {
         size_of_val(self.table.as_slice())
     }

@@ -38,9 +38,12 @@
 //! shares, found at `points` points per sphere, see [`halfshade_sh::kernel::ExposedShares`].
 //!
 //! **Bounds.** The exponential holds V to what a function with values in [0, 1] can be: `0 ≤ V_0 ≤ √4π` and
-//! `|V|² ≤ √4π V_0`. Outgoing radiance under distant light is therefore finite and at most `|L_ρ(n)| √4π` in magnitude;
-//! for constant light that is 1.64 times the unshadowed value. Such ringing is reported, not hidden, unless
-//! `clamp=on` holds each value between 0 and the unshadowed one. What the method leaves in practice is in the tests.
+//! `|V|² ≤ √4π V_0`. What arrives directly is therefore finite and at most `|L_ρ(n)| √4π` in magnitude; for constant light
+//! that is 1.64 times the unshadowed value. What `ground=seen` takes of it and what spheres and ground reflect are products
+//! with the same V, or differences of such, and come on top. Ringing is reported, not hidden, unless `clamp=on` holds what
+//! arrives directly, less what the ground takes, between 0 and the unshadowed value, and every part that is reflected at 0
+//! or more: with `bounces=0` radiance lies between 0 and unshadowed, with more it isn't below 0. What the method leaves in
+//! practice is in the tests.
 //!
 //! **Limits.** Distant light only. Few bands blur shadows: the sun's shadow is as wide as the last band. Products and
 //! exponentials multiply overlapping blockers as if band-limited functions were exact, which leaves dense sets too bright
@@ -323,7 +326,7 @@ impl Prepared {
     /// The first pass: as many rounds as there are bounces, each lit by the spheres of the one before.
     fn reflect(&mut self, frame: &Frame<'_>) {
         let Some(reflections) = &mut self.reflections else { return };
-        reflections.begin(frame);
+        reflections.begin(frame, self.light.is_grey());
         let (points, bounces) = (std::mem::take(&mut reflections.points), reflections.bounces);
         let on_ground = self.ground.as_mut().map_or_else(ReceiverBuffer::default, |g| std::mem::take(&mut g.points));
         let mut light = RadianceBuffer::zeros(points.receivers.len());

@@ -139,7 +139,11 @@ pub(super) fn all() -> Vec<Parameter> {
             "ground=seen: directions that every object looks into",
             ParameterKind::Integer { default: 128, min: 16, max: 4096 },
         ),
-        parameter("clamp", "hold radiance between 0 and unshadowed", choice(&["off", "on"], "off")),
+        parameter(
+            "clamp",
+            "hold direct light between 0 and unshadowed, and what is reflected at 0 or more",
+            choice(&["off", "on"], "off"),
+        ),
         parameter(
             "normals",
             "cells from the centre of the table over normals to its side",

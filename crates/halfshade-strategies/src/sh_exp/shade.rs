@@ -69,8 +69,8 @@ impl<'a, const N: usize> Batches<'a, N> {
         Self {
             prepared,
             exposure: match prepared.combination {
-                Combination::Shares { points } => Exposure::new(points, most),
-                _ => Exposure::new(1, 0),
+                Combination::Shares { points } => Exposure::new(points, most, prepared.cuts.blockers_from_light),
+                _ => Exposure::new(1, 0, prepared.cuts.blockers_from_light),
             },
             traced: match prepared.combination {
                 Combination::Traced { directions } => Some(Traced::new(directions, most)),
@@ -128,15 +128,28 @@ impl<'a, const N: usize> Batches<'a, N> {
             };
             let mut radiance = prepared.light.dot(&normal, &visibility, prepared.clamp);
             if let Some(ground) = &prepared.ground {
-                let seen = ground.radiance(receivers.object[start], &position, &normal, &visibility);
-                radiance.iter_mut().zip(seen).for_each(|(sum, value)| *sum += value);
+                let object = receivers.object[start];
+                let seen = ground.radiance(object, &position, &normal, &visibility);
+                if prepared.clamp {
+                    let taken = ground.taken(object, &position, &normal, &visibility);
+                    let mut open = [f32x8::ZERO; N];
+                    open[0] = f32x8::splat(kernel::FULL);
+                    let unshadowed = prepared.light.dot(&normal, &open, false);
+                    for (channel, sum) in radiance.iter_mut().enumerate() {
+                        let direct = (*sum + taken[channel]).max(f32x8::ZERO).min(unshadowed[channel]);
+                        *sum = direct + (seen[channel] - taken[channel]).max(f32x8::ZERO);
+                    }
+                } else {
+                    radiance.iter_mut().zip(seen).for_each(|(sum, value)| *sum += value);
+                }
             }
             if let Some((reflections, gather)) = &mut self.reflections {
                 let reflected = match &mut self.traced {
                     Some(traced) => gather.radiance_of_traced(reflections, &normal, traced),
                     None => gather.radiance(reflections, &normal),
                 };
-                radiance.iter_mut().zip(reflected).for_each(|(sum, value)| *sum += value);
+                let least = f32x8::splat(if prepared.clamp { 0.0 } else { f32::NEG_INFINITY });
+                radiance.iter_mut().zip(reflected).for_each(|(sum, value)| *sum += value.max(least));
             }
             for (channel, values) in radiance.into_iter().enumerate() {
                 let values = (values * f32x8::from(load(receivers.albedo[channel]))).to_array();

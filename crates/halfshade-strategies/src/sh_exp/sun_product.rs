@@ -7,7 +7,7 @@
 //! exact unless the horizon cuts the cap, where the mean is taken over all of it.
 
 use glam::DVec3;
-use halfshade_scene::light::{Sun, cap_irradiance};
+use halfshade_scene::light::{Sun, cap_irradiance, is_grey};
 use halfshade_sh::{kernel::ShBatch, window::Window, zonal};
 use std::f64::consts::{PI, TAU};
 use wide::f32x8;
@@ -44,6 +44,10 @@ impl SunProduct {
 
     pub(super) fn is_of(&self, sun: &Sun) -> bool {
         self.sun == *sun
+    }
+
+    pub(super) fn is_grey(&self) -> bool {
+        is_grey(self.sun.radiance)
     }
 
     /// Adds the light that eight white receivers reflect. With `clamp`, the visible share is held in [0, 1].

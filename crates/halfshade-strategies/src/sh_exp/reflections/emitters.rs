@@ -29,6 +29,8 @@ pub(super) struct Emitters {
 pub(super) struct Shape {
     pub(super) bands: usize,
     pub(super) channels: usize,
+    /// 1 if surfaces reflect all channels alike, else as many.
+    pub(super) surface_channels: usize,
     /// Coefficients that are used, the others being 0.
     pub(super) used: usize,
 }
@@ -55,7 +57,7 @@ impl Emitters {
         surfaces: &[Arc<SphereSurface>],
         owners: &[u32],
         frame: &Frame<'_>,
-        &Shape { bands, channels, used }: &Shape,
+        &Shape { bands, channels, surface_channels, used }: &Shape,
         light: &RadianceBuffer,
         turns: &[DQuat],
     ) {
@@ -82,11 +84,10 @@ impl Emitters {
         let spheres = self.vectors.par_chunks_mut(self.stride).zip(&mut self.shines).enumerate();
         spheres.for_each(|(number, (vectors, shines))| {
             let mut sums = vec![0.0; channels * count];
-            for (sample, weights) in surfaces[number].weights.chunks_exact(channels * count).enumerate() {
+            for (sample, weights) in surfaces[number].weights.chunks_exact(surface_channels * count).enumerate() {
                 let radiance = light.at(starts[number] + sample).to_array();
-                for (channel, (sum, weights)) in
-                    sums.chunks_exact_mut(count).zip(weights.chunks_exact(count)).enumerate()
-                {
+                let of_channels = weights.chunks_exact(count).cycle();
+                for (channel, (sum, weights)) in sums.chunks_exact_mut(count).zip(of_channels).enumerate() {
                     let radiance = f64::from(radiance[channel]);
                     sum.iter_mut().zip(weights).for_each(|(sum, &w)| *sum += radiance * f64::from(w));
                 }

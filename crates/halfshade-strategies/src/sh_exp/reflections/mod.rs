@@ -21,7 +21,7 @@ use halfshade_sh::{
     kernel::BatchExponential,
     zonal,
 };
-use halfshade_strategy::{Effect, Effects, Params};
+use halfshade_strategy::Params;
 use std::sync::Arc;
 use surface::{Covered, Projection, SphereSurface};
 
@@ -35,7 +35,9 @@ pub(super) struct Reflections {
     bands: usize,
     /// Coefficients of a radiance vector that are not 0.
     radiance_coefficients: usize,
-    /// 1 if neither light nor surfaces have colours, else 3.
+    /// Of what surfaces reflect: 1 if no object that is seen has a colour, else 3.
+    surface_channels: usize,
+    /// Of what spheres radiate in this frame: 1 if the light has no colour either.
     channels: usize,
     exponential: BatchExponential,
     /// Log blockers.
@@ -86,14 +88,15 @@ impl Reflections {
         };
         let projection =
             if params.choice("projection") == "product" { Projection::Product } else { Projection::Direct };
+        // What has no spheres colours the light of those that have, if they see it.
+        let ground_is_seen = params.choice("ground") == "seen";
         let colourless = scene.objects.iter().all(|object| {
             let textured = object.material.texture.is_some() || !object.mesh.textures.is_empty();
             let grey_surface =
                 is_grey(object.material.albedo) && object.mesh.colors.iter().all(|&color| is_grey(color));
-            object.sphere_count == 0 || grey_surface && !textured
+            object.sphere_count == 0 && !ground_is_seen || grey_surface && !textured
         });
-        let coloured_light = Effects::required_by(scene).contains(Effect::ColouredLight);
-        let channels = if colourless && !coloured_light { 1 } else { 3 };
+        let surface_channels = if colourless { 1 } else { 3 };
         let geodesic = geodesic::Geodesic::new(bands, params.integer("sample-divisions") as usize);
         let (mut surfaces, mut owners, mut neighbours) = (Vec::new(), Vec::new(), Vec::new());
         let mut known: Vec<(&Object, Vec<Arc<SphereSurface>>)> = Vec::new();
@@ -110,7 +113,7 @@ impl Reflections {
             }
             let choices = (projection, covered);
             let of_level =
-                |level: &Level| surface::surfaces(object, &level.spheres, bands, channels, &geodesic, choices);
+                |level: &Level| surface::surfaces(object, &level.spheres, bands, surface_channels, &geodesic, choices);
             let own: Vec<_> = levels.iter().flat_map(of_level).map(Arc::new).collect();
             surfaces.extend(own.iter().cloned());
             known.push((object, own));
@@ -123,7 +126,8 @@ impl Reflections {
                 0 => bands * bands,
                 radiance_bands => (radiance_bands * radiance_bands) as usize,
             },
-            channels,
+            surface_channels,
+            channels: surface_channels,
             exponential,
             table,
             form: FormFactorTable::build(match params.choice("form-factor") {
@@ -143,7 +147,8 @@ impl Reflections {
     }
 
     /// Puts the sample points where they are in `frame`; nothing shines yet.
-    pub(super) fn begin(&mut self, frame: &Frame<'_>) {
+    pub(super) fn begin(&mut self, frame: &Frame<'_>, light_is_grey: bool) {
+        self.channels = if light_is_grey { self.surface_channels } else { 3 };
         let SamplePoints { receivers, emitters } = &mut self.points;
         emitters::place(&self.surfaces, &self.owners, frame, receivers, emitters);
         self.emitters = Emitters::default();
@@ -151,7 +156,12 @@ impl Reflections {
 
     /// Lets the spheres, turned by `turns` within their objects, shine by the `light` at their sample points.
     pub(super) fn shine(&mut self, frame: &Frame<'_>, light: &RadianceBuffer, turns: &[DQuat]) {
-        let shape = Shape { bands: self.bands, channels: self.channels, used: self.radiance_coefficients };
+        let shape = Shape {
+            bands: self.bands,
+            channels: self.channels,
+            surface_channels: self.surface_channels,
+            used: self.radiance_coefficients,
+        };
         self.emitters.set(&self.surfaces, &self.owners, frame, &shape, light, turns);
     }
 
