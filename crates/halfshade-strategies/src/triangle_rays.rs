@@ -4,16 +4,25 @@ use glam::{DVec3, Vec3, Vec3A};
 use halfshade_scene::Mesh;
 use obvhs::{
     Boundable, BvhBuildParams,
+    aabb::Aabb,
     cwbvh::{CwBvh, builder::build_cwbvh},
     ray::Ray,
-    rt_triangle::RtTriangle,
 };
-use std::sync::Arc;
-use std::time::Duration;
+use std::{sync::Arc, time::Duration};
 
-/// Half the largest extent in the space that rays are traced in. obvhs ignores hits nearer than 1e-4, whatever the
-/// size: here that is two units in the last place.
-pub(crate) const HALF_EXTENT: f32 = 512.0;
+/// Half the largest extent in the space that rays are traced in, at most. obvhs ignores what is nearer than 1e-4, whatever
+/// the size: here that is 1e-13 of the half extent.
+const HALF_EXTENT: f64 = (1_u64 << 30) as f64;
+
+/// How far a coordinate may be off the surface that it stands for, as a part of itself: rounding of the point, and of the
+/// ray's origin, with room.
+pub(crate) const ROUNDING: f32 = 4.0 * f32::EPSILON;
+
+/// What is added to that, in the space of rays: 2^-46 of half the extent.
+const LEAST_ROUNDING: f32 = (HALF_EXTENT / (1_u64 << 46) as f64) as f32;
+
+/// How far behind its origin a ray meets what faces it, in lengths of its slack.
+const REACH_BEHIND: f64 = 4.0;
 
 /// The hierarchy over primitives, of which there may be none.
 pub(crate) fn hierarchy<T: Boundable>(primitives: &[T]) -> CwBvh {
@@ -31,19 +40,124 @@ pub(crate) fn holes_of(mesh: &Arc<Mesh>) -> impl Iterator<Item = Holes> {
     (0..mesh.triangles.len()).map(move |triangle| mesh.mask_of(triangle).map(|_| (mesh.clone(), triangle as u32)))
 }
 
+/// The space that rays are traced in: scaled by a power of two, and recentred where that costs no digit, so that single
+/// precision means the same there.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RaySpace {
+    center: DVec3,
+    scale: f64,
+}
+
+impl RaySpace {
+    /// For what lies between two corners.
+    pub(crate) fn around(low: Vec3, high: Vec3) -> Self {
+        let (low, high) = (low.as_dvec3(), high.as_dvec3());
+        let (center, half) = (0.5 * (low + high), 0.5 * (high - low));
+        // Numbers within a factor of two of each other have an exact difference.
+        let shift = |axis: usize| if center[axis].abs() >= 2.0 * half[axis] { center[axis] as f32 } else { 0.0 };
+        let largest = half.max_element();
+        let scale = if largest > 0.0 { (HALF_EXTENT / largest).log2().floor().exp2() } else { 1.0 };
+        Self { center: Vec3::from_array(std::array::from_fn(shift)).as_dvec3(), scale }
+    }
+
+    /// A point, placed.
+    pub(crate) fn place(&self, point: DVec3) -> Vec3A {
+        ((point - self.center) * self.scale).as_vec3a()
+    }
+
+    /// A length, scaled.
+    pub(crate) fn length(&self, length: f64) -> f32 {
+        (length * self.scale) as f32
+    }
+}
+
+/// Where a ray starts.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Start {
+    position: Vec3,
+    /// Towards the free side of the surface; zero in free space.
+    normal: Vec3,
+    /// How far along each axis the position may be off the surface.
+    rounding: Vec3,
+}
+
+impl Start {
+    /// In free space: whatever lies ahead is met.
+    pub(crate) fn free(position: Vec3) -> Self {
+        Self { position, normal: Vec3::ZERO, rounding: Vec3::ZERO }
+    }
+
+    /// On a surface, `position` being rounded to single precision.
+    pub(crate) fn on_surface(position: Vec3, normal: Vec3) -> Self {
+        Self { position, normal, rounding: ROUNDING * position.abs() }
+    }
+
+    /// The same with a position that may be off by `rounding` more.
+    pub(crate) fn rougher(self, rounding: f32) -> Self {
+        Self { rounding: self.rounding + Vec3::splat(rounding), ..self }
+    }
+}
+
+struct Triangle([Vec3A; 3]);
+
+/// The box around a triangle, as much larger as starts may lie beside it.
+struct PaddedBox(Aabb);
+
+impl Boundable for PaddedBox {
+    fn aabb(&self) -> Aabb {
+        self.0
+    }
+}
+
+impl Triangle {
+    /// The distance to where a ray from `origin` along `direction` crosses the triangle; infinite if it doesn't. Starting
+    /// within `slack` along each axis of the triangle it meets what faces it though that be behind its origin, and doesn't meet
+    /// what faces away.
+    #[inline(always)]
+    fn distance(&self, origin: Vec3A, direction: Vec3A, slack: Vec3A) -> f32 {
+        // The volumes that the ray spans with the edges have one sign.
+        let [a, b, c] = self.0.map(|corner| corner - origin);
+        let (ab, ac, across) = (b - a, c - a, direction.cross(a));
+        let whole = ab.cross(ac).dot(direction);
+        let (v, w) = (-across.dot(ac), across.dot(ab));
+        let (v, w, whole) = if whole < 0.0 { (-v, -w, -whole) } else { (v, w, whole) };
+        if !(v >= 0.0 && w >= 0.0 && v + w <= whole) {
+            return f32::INFINITY;
+        }
+        // The distance to a large plane close by is the difference of large numbers.
+        let [a, b, c] = self.0.map(|corner| corner.as_dvec3());
+        let normal = (b - a).cross(c - a);
+        let (ahead, facing) = (normal.dot(a - origin.as_dvec3()), normal.dot(direction.as_dvec3()));
+        let off = normal.abs().dot(slack.as_dvec3());
+        let is_met = if facing > 0.0 {
+            ahead > off
+        } else {
+            // What a ray along a curved surface met farther behind it may have left again.
+            facing < 0.0 && ahead < off && ahead < -facing * REACH_BEHIND * f64::from(slack.max_element())
+        };
+        if is_met { (ahead / facing) as f32 } else { f32::INFINITY }
+    }
+
+    /// Weights of the corners where the line of a ray crosses the plane.
+    fn weights(&self, origin: DVec3, direction: DVec3) -> DVec3 {
+        let [a, b, c] = self.0.map(|corner| corner.as_dvec3() - origin);
+        let (ab, ac, across) = (b - a, c - a, direction.cross(a));
+        let whole = ab.cross(ac).dot(direction);
+        let (v, w) = (-across.dot(ac) / whole, across.dot(ab) / whole);
+        DVec3::new(1.0 - v - w, v, w)
+    }
+}
+
 /// Triangles, centred and scaled.
 ///
 /// Not watertight: a ray aimed exactly at an edge may pass. Both faces of a triangle block.
 pub(crate) struct TriangleRays {
     hierarchy: CwBvh,
     /// In the order of the hierarchy's leaves.
-    triangles: Vec<RtTriangle>,
+    triangles: Vec<Triangle>,
     /// In the same order; empty where all triangles are whole.
     holes: Vec<Holes>,
-    center: Vec3,
-    scale: f32,
-    /// How much coordinates of the corners may be rounded, in units of the traced space.
-    coarseness: f32,
+    space: RaySpace,
 }
 
 impl TriangleRays {
@@ -56,54 +170,57 @@ impl TriangleRays {
         corners.retain(is_finite);
         let low = corners.iter().flatten().copied().reduce(Vec3::min).unwrap_or(Vec3::ZERO);
         let high = corners.iter().flatten().copied().reduce(Vec3::max).unwrap_or(Vec3::ZERO);
-        let center = low + 0.5 * (high - low);
-        let half = 0.5 * (high - low).max_element();
-        let scale = if half > 0.0 { (HALF_EXTENT / half).min(f32::MAX.sqrt()) } else { 1.0 };
-        let place = |point: Vec3| Vec3A::from((point - center) * scale);
-        let triangles: Vec<RtTriangle> =
-            corners.iter().map(|&[a, b, c]| RtTriangle::new(place(a), place(b), place(c))).collect();
-        let hierarchy = hierarchy(&triangles);
-        let triangles = hierarchy.primitive_indices.iter().map(|&slot| triangles[slot as usize]).collect();
+        let space = RaySpace::around(low, high);
+        let placed = |corners: &[Vec3; 3]| Triangle(corners.map(|point| space.place(point.as_dvec3())));
+        let padded = |corners: &[Vec3; 3]| {
+            let farthest = corners.iter().fold(Vec3::ZERO, |farthest, corner| farthest.max(corner.abs()));
+            let padding = Vec3A::from(2.0 * (ROUNDING * space.length(1.0) * farthest + LEAST_ROUNDING));
+            let tight = Aabb::from_points(&placed(corners).0);
+            PaddedBox(Aabb::new(tight.min - padding, tight.max + padding))
+        };
+        let hierarchy = hierarchy(&corners.iter().map(padded).collect::<Vec<_>>());
+        let triangles = hierarchy.primitive_indices.iter().map(|&slot| placed(&corners[slot as usize])).collect();
         let holes = match holes.as_slice() {
             [] => Vec::new(),
             list => hierarchy.primitive_indices.iter().map(|&slot| list[slot as usize].clone()).collect(),
         };
-        let coarseness = low.abs().max(high.abs()).max_element() * f32::EPSILON * scale;
-        Self { hierarchy, triangles, holes, center, scale, coarseness }
+        Self { hierarchy, triangles, holes, space }
     }
 
-    /// How far, in units of the traced space, a point may be off because coordinates far from the origin are coarse.
-    pub(crate) fn coarseness(&self) -> f32 {
-        self.coarseness
-    }
-
-    /// Whether a triangle lies on the ray within `distance`, which may be infinite. The ray starts at `position`, moved by
-    /// `lift` in the traced space, of which the triangles fill 1024 units. `direction` has unit length.
-    pub(crate) fn blocked(&self, position: Vec3, lift: Vec3, direction: Vec3, distance: f32) -> bool {
+    /// Whether a triangle lies on the ray within `distance`, which may be infinite. `direction` has unit length.
+    ///
+    /// The ray starts above its surface by twice what its start may be off it, and at least by 2^-45 of half the extent.
+    pub(crate) fn blocked(&self, start: &Start, direction: Vec3, distance: f32) -> bool {
         if self.triangles.is_empty() {
             return false;
         }
-        let origin = Vec3A::from((position - self.center) * self.scale + lift);
-        let limit = distance * self.scale;
+        let mut slack = start.rounding * self.space.length(1.0);
+        let mut origin = self.space.place(start.position.as_dvec3());
+        if start.normal != Vec3::ZERO {
+            slack += LEAST_ROUNDING;
+            origin += Vec3A::from(2.0 * start.normal.abs().dot(slack) * start.normal);
+        }
+        let limit = self.space.length(f64::from(distance));
         if !origin.is_finite() || !direction.is_finite() || limit.is_nan() {
             return false;
         }
         // -0.0 would make the hierarchy miss everything.
-        let ray = Ray::new(origin, Vec3A::from(direction) + 0.0, 0.0, limit);
+        let (direction, slack) = (Vec3A::from(direction) + 0.0, Vec3A::from(slack));
+        let ray = Ray::new(origin, direction, 0.0, limit);
+        let met = |slot: usize| self.triangles[slot].distance(origin, direction, slack);
         if self.holes.is_empty() {
-            return !self.hierarchy.ray_traverse_miss(ray, |ray, slot| self.triangles[slot].intersect(ray));
+            return !self.hierarchy.ray_traverse_miss(ray, |_, slot| met(slot));
         }
-        !self.hierarchy.ray_traverse_miss(ray, |ray, slot| {
-            let distance = self.triangles[slot].intersect(ray);
-            if distance.is_finite() && self.passes(ray, slot) { f32::INFINITY } else { distance }
+        !self.hierarchy.ray_traverse_miss(ray, |_, slot| {
+            let distance = met(slot);
+            if distance.is_finite() && self.passes(origin, direction, slot) { f32::INFINITY } else { distance }
         })
     }
 
     /// Whether a ray that meets a triangle passes through a hole of it.
-    fn passes(&self, ray: &Ray, slot: usize) -> bool {
+    fn passes(&self, origin: Vec3A, direction: Vec3A, slot: usize) -> bool {
         let Some((mesh, triangle)) = &self.holes[slot] else { return false };
-        let [v, w] = self.triangles[slot].compute_barycentric(ray).as_dvec2().to_array();
-        mesh.is_cut_out(*triangle as usize, DVec3::new(1.0 - v - w, v, w))
+        mesh.is_cut_out(*triangle as usize, self.triangles[slot].weights(origin.as_dvec3(), direction.as_dvec3()))
     }
 
     /// Memory that it takes.

@@ -1,17 +1,11 @@
 //! Shadow rays against the meshes of one frame.
 
-use crate::triangle_rays::{Holes, TriangleRays, holes_of};
+use crate::triangle_rays::{Holes, Start, TriangleRays, holes_of};
 use glam::Vec3;
 use halfshade_scene::Frame;
 
-/// How far rays start above the surface, in units of the traced space: 2e-6 of half the extent.
-const LIFT: f32 = 1e-3;
-
 /// All triangles of a frame.
-pub(super) struct Occlusion {
-    rays: TriangleRays,
-    lift: f32,
-}
+pub(super) struct Occlusion(TriangleRays);
 
 impl Occlusion {
     pub(super) fn new(frame: &Frame<'_>) -> Self {
@@ -24,19 +18,17 @@ impl Occlusion {
                 holes.extend(holes_of(&object.mesh));
             }
         }
-        let rays = TriangleRays::new(corners, holes);
-        // Far from the origin world coordinates are coarse: positions that were rounded apart must not hide the sky.
-        let lift = LIFT + 2.0 * rays.coarseness();
-        Self { rays, lift }
+        Self(TriangleRays::new(corners, holes))
     }
 
-    /// Whether a triangle lies on the ray within `distance` (world units, may be infinite). `direction` has unit length.
+    /// Whether a triangle lies on the ray from a point of a surface with unit `normal` within `distance` (world units, may be
+    /// infinite). `direction` has unit length.
     pub(super) fn blocked(&self, position: Vec3, normal: Vec3, direction: Vec3, distance: f32) -> bool {
-        self.rays.blocked(position, self.lift * normal, direction, distance)
+        self.0.blocked(&Start::on_surface(position, normal), direction, distance)
     }
 
     pub(super) fn bytes(&self) -> usize {
-        self.rays.bytes()
+        self.0.bytes()
     }
 }
 

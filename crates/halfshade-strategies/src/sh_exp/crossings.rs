@@ -1,7 +1,7 @@
 //! Where a ray crosses a mesh, all along.
 
-use crate::triangle_rays::{HALF_EXTENT, hierarchy};
-use glam::{DVec3, Vec3A};
+use crate::triangle_rays::{RaySpace, hierarchy};
+use glam::{DVec3, Vec3, Vec3A};
 use halfshade_scene::Mesh;
 use obvhs::{
     cwbvh::CwBvh,
@@ -17,8 +17,7 @@ const EDGE: f64 = 1e-9;
 pub(super) struct Crossings {
     mesh: Arc<Mesh>,
     hierarchy: CwBvh,
-    center: DVec3,
-    scale: f64,
+    space: RaySpace,
 }
 
 impl std::fmt::Debug for Crossings {
@@ -41,18 +40,16 @@ pub(super) struct Crossing {
 
 impl Crossings {
     pub(super) fn new(mesh: &Arc<Mesh>) -> Self {
-        let (low, high) = mesh.bounds().map_or((DVec3::ZERO, DVec3::ZERO), |(a, b)| (a.as_dvec3(), b.as_dvec3()));
-        let half = 0.5 * (high - low).max_element();
-        let (center, scale) = (0.5 * (low + high), if half > 0.0 { f64::from(HALF_EXTENT) / half } else { 1.0 });
+        let (low, high) = mesh.bounds().unwrap_or((Vec3::ZERO, Vec3::ZERO));
+        let space = RaySpace::around(low, high);
         let corners: Vec<Triangle> = (mesh.triangles.iter())
             .map(|corners| {
-                let [v0, v1, v2] =
-                    corners.map(|v| ((mesh.positions[v as usize].as_dvec3() - center) * scale).as_vec3a());
+                let [v0, v1, v2] = corners.map(|v| space.place(mesh.positions[v as usize].as_dvec3()));
                 Triangle { v0, v1, v2 }
             })
             .collect();
         let hierarchy = hierarchy(&corners);
-        Self { mesh: mesh.clone(), hierarchy, center, scale }
+        Self { mesh: mesh.clone(), hierarchy, space }
     }
 
     /// Calls `each` for all crossings of the ray from `origin` along unit `direction`, in no particular order.
@@ -78,7 +75,7 @@ impl Crossings {
         self.hierarchy
             .ray_traverse(self.ray(origin, direction), &mut hit, |_, slot| {
                 let crossing = self.crossing(slot, origin, direction);
-                crossing.map_or(f32::INFINITY, |crossing| (crossing.distance * self.scale) as f32)
+                crossing.map_or(f32::INFINITY, |crossing| self.space.length(crossing.distance))
             })
             .then(|| self.crossing(hit.primitive_id as usize, origin, direction))
             .flatten()
@@ -87,7 +84,7 @@ impl Crossings {
     fn ray(&self, origin: DVec3, direction: DVec3) -> Ray {
         // Adding 0 turns -0, with which the wide nodes miss everything, into 0.
         let direction = direction.as_vec3a() + Vec3A::ZERO;
-        Ray::new(((origin - self.center) * self.scale).as_vec3a(), direction, 0.0, f32::INFINITY)
+        Ray::new(self.space.place(origin), direction, 0.0, f32::INFINITY)
     }
 
     fn crossing(&self, slot: usize, origin: DVec3, direction: DVec3) -> Option<Crossing> {

@@ -213,6 +213,11 @@ impl Place {
         self.in_object(&position.map(f32x8::splat)).map(|axis| axis.as_array()[0]).into()
     }
 
+    /// The largest of the numbers that [`Self::point_in_object`] subtracts, in the object's space: of that its result is rounded.
+    pub(super) fn largest_term(&self, position: [f32; 3]) -> f32 {
+        position.iter().chain(&self.field_center).fold(0.0, |largest: f32, x| largest.max(x.abs())) * self.inverse_scale
+    }
+
     #[inline(always)]
     fn turned(&self, position: &[f32x8; 3]) -> [f32x8; 3] {
         let offset: [f32x8; 3] = std::array::from_fn(|axis| position[axis] - f32x8::splat(self.field_center[axis]));

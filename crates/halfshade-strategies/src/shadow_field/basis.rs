@@ -1,7 +1,7 @@
 //! What fields are made of: vectors of coefficients of a basis over directions.
 
 use super::shells::Grid;
-use crate::triangle_rays::{TriangleRays, holes_of};
+use crate::triangle_rays::{Start, TriangleRays, holes_of};
 use glam::Vec3;
 use halfshade_scene::Mesh;
 use serde::{Deserialize, Serialize};
@@ -59,7 +59,7 @@ pub(super) trait Basis: Sync {
     fn blocked_from(&self, rays: &TriangleRays, point: Vec3, ball: Ball) -> Self::Vector {
         let near = NearBall::new(ball, point, self.reach());
         self.project(&|direction| {
-            let blocked = near.holds(direction) && rays.blocked(point, Vec3::ZERO, direction, f32::INFINITY);
+            let blocked = near.holds(direction) && rays.blocked(&Start::free(point), direction, f32::INFINITY);
             f32::from(u8::from(blocked))
         })
     }

@@ -1,7 +1,7 @@
 //! Sample points that lie within a solid: nobody looks from there, but who is near its surface interpolates with them.
 
 use super::basis::{Ball, Basis};
-use crate::triangle_rays::TriangleRays;
+use crate::triangle_rays::{Start, TriangleRays};
 use glam::{DVec3, Vec3};
 use halfshade_sh::quadrature::golden_spiral;
 use std::f32::consts::FRAC_1_SQRT_2;
@@ -56,7 +56,7 @@ impl<'a> Solid<'a> {
     pub(super) fn holds(&self, point: Vec3) -> bool {
         point.distance_squared(self.ball.center) <= self.ball.radius * self.ball.radius
             && (self.probes.iter())
-                .filter(|&&probe| !self.rays.blocked(point, Vec3::ZERO, probe, f32::INFINITY))
+                .filter(|&&probe| !self.rays.blocked(&Start::free(point), probe, f32::INFINITY))
                 .nth(1)
                 .is_none()
     }

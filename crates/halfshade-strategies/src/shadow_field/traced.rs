@@ -5,6 +5,7 @@ use super::{
     basis::{Ball, Basis},
     vertices::OwnRays,
 };
+use crate::triangle_rays::{ROUNDING, Start};
 use glam::Vec3;
 use std::f32::consts::FRAC_1_PI;
 
@@ -47,7 +48,11 @@ pub(super) fn reached<'a>(
         let local = place.point_in_object(point.position) + traced.ball.center;
         Some((traced, place.turn(), local))
     };
-    let own = seen(point.object).map(|(traced, turn, local)| (traced, turn, local, turn * point.normal));
+    // Positions were rounded where the whole scene is small numbers, not the object alone.
+    let own = seen(point.object).map(|(traced, turn, local)| {
+        let rounding = ROUNDING * arrangement.places[point.object].largest_term(point.position);
+        (traced, turn, local, turn * point.normal, rounding)
+    });
     let others: Vec<_> = nearer
         .iter()
         .filter_map(|entity| match entity {
@@ -58,11 +63,11 @@ pub(super) fn reached<'a>(
     move |direction| {
         let cosine = direction.dot(point.normal);
         let hidden = || {
-            own.as_ref()
-                .is_some_and(|(traced, turn, local, normal)| traced.own.blocked(*local, *normal, *turn * direction))
-                || others.iter().any(|(traced, turn, local)| {
-                    traced.own.rays().blocked(*local, Vec3::ZERO, *turn * direction, f32::INFINITY)
-                })
+            own.as_ref().is_some_and(|(traced, turn, local, normal, rounding)| {
+                traced.own.blocked(*local, *normal, *turn * direction, *rounding)
+            }) || others.iter().any(|(traced, turn, local)| {
+                traced.own.rays().blocked(&Start::free(*local), *turn * direction, f32::INFINITY)
+            })
         };
         if cosine <= 0.0 || hidden() { 0.0 } else { FRAC_1_PI * cosine }
     }

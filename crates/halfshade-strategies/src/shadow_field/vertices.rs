@@ -4,36 +4,30 @@ use super::{
     PART,
     basis::{Basis, rays},
 };
-use crate::triangle_rays::TriangleRays;
+use crate::triangle_rays::{Start, TriangleRays};
 use glam::Vec3;
 use halfshade_scene::Mesh;
 use parry3d::{query::PointQueryWithLocation, shape::TriMesh};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// How far rays start above the surface, in units of the traced space, of which the mesh fills 1024: 1e-5 of its extent.
-const LIFT: f32 = 1e-2;
-
 /// Rays from a mesh's own surface.
-pub(super) struct OwnRays {
-    rays: TriangleRays,
-    lift: f32,
-}
+pub(super) struct OwnRays(TriangleRays);
 
 impl OwnRays {
     pub(super) fn new(mesh: &Mesh) -> Self {
-        let rays = rays(mesh);
-        let lift = LIFT + 2.0 * rays.coarseness();
-        Self { rays, lift }
+        Self(rays(mesh))
     }
 
     pub(super) fn rays(&self) -> &TriangleRays {
-        &self.rays
+        &self.0
     }
 
-    /// Whether the mesh hides `direction` from a point of its surface. Below the tangent plane nothing is asked.
-    pub(super) fn blocked(&self, position: Vec3, normal: Vec3, direction: Vec3) -> bool {
-        direction.dot(normal) > 0.0 && self.rays.blocked(position, self.lift * normal, direction, f32::INFINITY)
+    /// Whether the mesh hides `direction` from a vertex or a point of its surface that may be off it by `rounding`. Below the
+    /// tangent plane nothing is asked.
+    pub(super) fn blocked(&self, position: Vec3, normal: Vec3, direction: Vec3, rounding: f32) -> bool {
+        let start = || Start::on_surface(position, normal).rougher(rounding);
+        direction.dot(normal) > 0.0 && self.0.blocked(&start(), direction, f32::INFINITY)
     }
 }
 
@@ -45,7 +39,7 @@ pub(super) fn own_vectors<B: Basis>(
 ) -> Vec<B::Vector> {
     (mesh.positions.par_iter().zip(&mesh.normals))
         .map(|(&position, &normal)| {
-            basis.project(&|direction| value(direction, normal, &|| rays.blocked(position, normal, direction)))
+            basis.project(&|direction| value(direction, normal, &|| rays.blocked(position, normal, direction, 0.0)))
         })
         .collect()
 }
