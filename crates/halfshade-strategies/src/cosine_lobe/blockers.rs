@@ -128,7 +128,7 @@ impl Spheres {
         } else {
             (0.0, 0.0, receivers.radius.max(light.radius))
         };
-        let inverse = f32x8::splat(squared.max(1e-30).recip());
+        let inverse = f32x8::splat(squared.max(f32::MIN_POSITIVE).recip());
         let [lx, ly, lz] = to_light.map(f32x8::splat);
         let slack = f32x8::splat(1e-4 * (length + light.radius + receivers.radius));
         for (group, (center, radius)) in self.groups().enumerate() {
@@ -162,6 +162,17 @@ pub(super) struct Ball {
 }
 
 impl Ball {
+    /// How far its surface is from within it in the directions of eight points, all from one place.
+    #[inline(always)]
+    pub(super) fn surface_behind(&self, offset: &[f32x8; 3]) -> f32x8 {
+        let dot = |a: &[f32x8; 3], b: &[f32x8; 3]| a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]));
+        let center = self.center.map(f32x8::splat);
+        let distance = dot(offset, offset).fast_max(f32x8::splat(f32::MIN_POSITIVE)).sqrt();
+        let along = dot(&center, offset) / distance;
+        let depth = f32x8::splat(self.radius * self.radius) - dot(&center, &center);
+        along + along.mul_add(along, depth).fast_max(f32x8::ZERO).sqrt()
+    }
+
     /// Around points.
     pub(super) fn around(points: &[[f32; 3]]) -> Self {
         let points = || points.iter().map(|&point| Vec3::from(point));

@@ -40,9 +40,12 @@ impl Light {
         }
     }
 
-    /// Whether a point that sees no square is within the light.
-    pub(super) fn has_inside(&self) -> bool {
-        matches!(self.place, Place::Near(ball) if ball.radius > 0.0)
+    /// Its centre from a point within it, and its radius; `None` from outside.
+    pub(super) fn around(&self, position: [f32; 3]) -> Option<Ball> {
+        let Place::Near(ball) = self.place else { return None };
+        let center = Vec3::from(ball.center) - Vec3::from(position);
+        let holds = ball.radius > 0.0 && center.as_dvec3().length() <= f64::from(ball.radius);
+        holds.then_some(Ball { center: center.to_array(), ..ball })
     }
 
     /// Its radius; for one infinitely far away, how wide its cone is where it has crossed `all`.

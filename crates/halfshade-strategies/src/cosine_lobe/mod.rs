@@ -77,7 +77,7 @@
 //!
 //! **Limits.** Local lights are spheres. What of a map is no lamp is smeared over 5.6 degrees, the lobes' grid, and
 //! highlights sharper than that show it; blockers of an environment are told apart by cells. Spheres behind the light are
-//! ignored, and from within a light nothing is hidden. A Phong lobe without a cosine, which reaches below the horizon, is
+//! ignored. From within a light it is an environment that ends at its surface. A Phong lobe without a cosine, which reaches below the horizon, is
 //! cut there by the visible fraction of the light alone.
 
 mod blockers;
@@ -148,6 +148,7 @@ impl Strategy for CosineLobe {
             settings,
             fitted: settings.fitted(&scene.environment, products),
             tables: Tables { products, caps, cells, weights, sampler: settings.samples.map(Sampler::new) },
+            everywhere: (!scene.lights.is_empty()).then(|| settings.everywhere(products)),
             bodies: bodies(scene),
             moment: None,
             counters: Counters::default(),
@@ -159,6 +160,10 @@ impl Settings {
     fn fitted(&self, environment: &Environment, table: &LobeTable) -> Fitted {
         let (lamps, lobes) = (self.environment_lamps, self.environment_lobes);
         Fitted::new(&environment.base, lamps, lobes, self.environment_depth, table)
+    }
+
+    fn everywhere(&self, table: &LobeTable) -> Fitted {
+        Fitted::everywhere(self.environment_depth, table)
     }
 }
 
@@ -188,6 +193,8 @@ struct Moment {
     ball: Ball,
     lights: Vec<Light>,
     surroundings: Option<Surroundings>,
+    /// All directions alike, for receivers within a light.
+    everywhere: Option<Surroundings>,
     eye_lobes: Option<EyeLobes>,
 }
 
@@ -211,6 +218,8 @@ struct Prepared {
     settings: Settings,
     tables: Tables,
     fitted: Fitted,
+    /// If there are local lights.
+    everywhere: Option<Fitted>,
     bodies: Vec<Option<Body>>,
     moment: Option<Moment>,
     counters: Counters,
@@ -220,6 +229,7 @@ impl Baked for Prepared {
     fn footprint(&self) -> Footprint {
         let bodies = self.bodies.iter().flatten();
         let [lobes, sky] = self.fitted.bytes();
+        let everywhere = self.everywhere.as_ref().map_or(0, |fitted| fitted.bytes()[1]);
         Footprint {
             parts: vec![
                 ("products", self.tables.products.bytes()),
@@ -229,6 +239,7 @@ impl Baked for Prepared {
                 ("samples", self.tables.sampler.as_ref().map_or(0, Sampler::bytes)),
                 ("lobes of the environment", lobes),
                 ("cells of the environment", sky),
+                ("cells around who is within a light", everywhere),
                 ("spheres", self.moment.as_ref().map_or(0, |moment| moment.spheres.bytes())),
                 ("bindings", bodies.map(Body::bytes).sum()),
             ],
@@ -255,6 +266,9 @@ impl Baked for Prepared {
         if !self.fitted.is_of(environment) {
             self.fitted = self.settings.fitted(environment, self.tables.products);
         }
+        if self.everywhere.is_none() && !frame.lights.is_empty() {
+            self.everywhere = Some(self.settings.everywhere(self.tables.products));
+        }
         let origin = match (frame.lights.first(), frame.world_from_object.first()) {
             (Some(light), _) => light.center.as_dvec3(),
             (None, Some(pose)) => pose.translation.as_dvec3(),
@@ -270,6 +284,7 @@ impl Baked for Prepared {
             spheres,
             lights: near.chain(far).collect(),
             surroundings: self.fitted.turned(frame.world_from_environment),
+            everywhere: self.everywhere.as_ref().and_then(|fitted| fitted.turned(frame.world_from_environment)),
             eye_lobes: EyeLobes::new(frame),
         });
         Ok(())

@@ -122,7 +122,8 @@ impl<'a> Shading<'a> {
         let mut radiance = (0..moment.lights.len()).map(|light| self.reflected(receiver, &terms, light)).sum();
         if let Some(surroundings) = &moment.surroundings {
             let (rule, table) = (settings.rule, tables.products);
-            radiance += surroundings.reflected(receiver, &terms, &moment.spheres, rule, table, &mut self.around);
+            radiance +=
+                surroundings.reflected(receiver, &terms, (&moment.spheres, None), rule, table, &mut self.around);
         }
         radiance
     }
@@ -131,9 +132,15 @@ impl<'a> Shading<'a> {
     fn reflected(&mut self, receiver: &Receiver, terms: &Terms, number: usize) -> Vec3 {
         let (settings, light) = (self.settings, &self.moment.lights[number]);
         let Some(square) = light.square(receiver.position) else {
-            // From within a light everything is light, and nothing is between.
-            let all = terms.iter().map(|term| term.lobe.integral().to_array()[0] * term.color).sum::<Vec3>();
-            return if light.has_inside() { light.radiance * all } else { Vec3::ZERO };
+            // From within, everything is light.
+            return match (light.around(receiver.position), &self.moment.everywhere) {
+                (Some(end), Some(everywhere)) => {
+                    let (rule, table, before) =
+                        (settings.rule, self.tables.products, (&self.moment.spheres, Some(&end)));
+                    light.radiance * everywhere.reflected(receiver, terms, before, rule, table, &mut self.around)
+                }
+                _ => Vec3::ZERO,
+            };
         };
         let above = Vec3::from(square.axis()).dot(Vec3::from(receiver.normal));
         if above <= -square.sine {
@@ -159,30 +166,27 @@ impl<'a> Shading<'a> {
             Hidden::All => return Vec3::ZERO,
             Hidden::Part => {}
         }
-        let hidden = settings.stage(Stage::Integrals, || self.hidden(terms, &factors, &square, slot));
+        let hue = light.radiance / light.radiance.max_element();
+        let hidden = settings.stage(Stage::Integrals, || self.hidden((terms, hue), &factors, &square, slot));
         sum(&|i| hidden[i])
     }
 
     /// Finds what hides the light from a receiver, unless that was found for a neighbour, and where it is kept.
     fn find(&mut self, receiver: &Receiver, square: &Square, number: usize) -> usize {
         let before = &self.before[number];
-        let key = before.cubes.map(|cubes| cubes.key(receiver, number));
-        let (slot, is_known) = self.masks.slot(key);
+        let shared = before.cubes.and_then(|cubes| {
+            let key = cubes.key(receiver, number);
+            let place = cubes.place(&key);
+            // A place within the light sees no square: the receiver keeps to its own.
+            self.moment.lights[number].square(place.position).map(|square| (key, (place, square)))
+        });
+        let (slot, is_known) = self.masks.slot(shared.map(|(key, _)| key));
         if is_known {
             return slot;
         }
-        let seen = match before.cubes.zip(key) {
-            None => Some((*receiver, *square)),
-            Some((cubes, key)) => {
-                let place = cubes.place(&key);
-                self.moment.lights[number].square(place.position).map(|square| (place, square))
-            }
-        };
+        let (receiver, square) = shared.map_or((*receiver, *square), |(_, seen)| seen);
         let entry = self.masks.at_mut(slot);
-        // From within the light nothing is hidden.
-        entry.hidden = seen.map_or(Hidden::Nothing, |(receiver, square)| {
-            self.visibility.find(&receiver, &square, &before.subgroup, &mut entry.lobes)
-        });
+        entry.hidden = self.visibility.find(&receiver, &square, &before.subgroup, &mut entry.lobes);
         if entry.hidden == Hidden::Part {
             self.counts.masks += 1;
             self.counts.lobes += entry.lobes.len() as u64;
@@ -190,17 +194,17 @@ impl<'a> Shading<'a> {
         slot
     }
 
-    /// What a mask hides of each term, as [`Self::unblocked`] has it.
+    /// What a mask hides of each term, as [`Self::unblocked`] has it, of a light of this hue.
     fn hidden(
         &mut self,
-        terms: &Terms,
+        (terms, hue): (&Terms, Vec3),
         factors: &[(Lobe8, f32); MOST_TERMS],
         square: &Square,
         slot: usize,
     ) -> [f32; MOST_TERMS] {
         let lobes = &self.masks.at(slot).lobes;
         // Of the brightest channel.
-        let strength = |color: Vec3| color.max_element();
+        let strength = |color: Vec3| (color * hue).max_element();
         let total: f32 = terms.iter().zip(factors).map(|(term, factor)| strength(term.color) * factor.1).sum();
         let published = self.settings.order == Order::Published;
         let mut hidden = [0.0; MOST_TERMS];

@@ -28,7 +28,8 @@ pub(super) struct Square {
     extent: f32,
     /// Sine of the light's angular radius σ.
     pub(super) sine: f32,
-    /// Distance of the circle in which the light is seen.
+    /// Distance of the light's centre, and of the circle in which it is seen.
+    center: f32,
     reach: f32,
 }
 
@@ -45,17 +46,17 @@ impl Square {
         let sine = (radius * inverse).min(1.0);
         let cosine = reach_squared.sqrt() * inverse;
         let extent = (sine / (1.0 + cosine)).max(1e-6);
-        Some(Self { frame: frame_about(axis), extent, sine, reach: reach_squared.sqrt() })
+        Some(Self { frame: frame_about(axis), extent, sine, center: inverse.recip(), reach: reach_squared.sqrt() })
     }
 
     /// Of a light infinitely far away; `None` if it has no size.
     pub(super) fn far(direction: [f32; 3], sine: f32) -> Option<Self> {
-        Some(Self { reach: f32::INFINITY, ..Self::new(direction, sine)? })
+        Some(Self { center: f32::INFINITY, reach: f32::INFINITY, ..Self::new(direction, sine)? })
     }
 
     /// Of half of all directions: those about the third of three axes at right angles.
     pub(super) fn hemisphere(frame: [[f32; 3]; 3]) -> Self {
-        Self { frame, extent: 1.0, sine: 1.0, reach: f32::INFINITY }
+        Self { frame, extent: 1.0, sine: 1.0, center: f32::INFINITY, reach: f32::INFINITY }
     }
 
     /// Direction of the light's centre.
@@ -73,24 +74,38 @@ impl Square {
         self.sine * self.sine / (1.0 + (1.0 - self.sine * self.sine).sqrt())
     }
 
-    /// Eight spheres on the square: centres and radii of discs, and which of them are in the way of the light.
-    ///
-    /// A sphere behind the light is not. One that begins before the circle in which the light is seen and whose own
-    /// silhouette lies beyond it shrinks on the way, so that nothing jumps.
+    /// How far the light begins along directions of these cosines to its centre's; past its edge as at its edge.
     #[inline(always)]
-    fn splat(&self, offset: &[f32x8; 3], radius: f32x8) -> ([f32x8; 3], f32x8) {
+    fn surface(&self, cosine: f32x8) -> f32x8 {
+        if self.reach == f32::INFINITY {
+            return f32x8::splat(f32::INFINITY);
+        }
+        let (along, reach_squared) = (cosine * f32x8::splat(self.center), f32x8::splat(self.reach * self.reach));
+        let under = along.mul_sub(along, reach_squared);
+        let meets = cosine.simd_gt(f32x8::ZERO) & under.simd_gt(f32x8::ZERO);
+        meets.select(reach_squared / (along + under.fast_max(f32x8::ZERO).sqrt()), f32x8::splat(self.reach))
+    }
+
+    /// Eight spheres on the square: centres and radii of discs, and which of them are in the way of the light, which begins
+    /// at `end` behind each of them, or else where it does.
+    ///
+    /// A sphere behind the light is not. One that begins before it and whose own silhouette lies beyond it shrinks on the
+    /// way, so that nothing jumps.
+    #[inline(always)]
+    fn splat(&self, offset: &[f32x8; 3], radius: f32x8, end: Option<f32x8>) -> ([f32x8; 3], f32x8) {
         let along = |direction: [f32; 3]| {
             let [x, y, z] = direction.map(f32x8::splat);
             x.mul_add(offset[0], y.mul_add(offset[1], z * offset[2]))
         };
         let [t, b, a] = self.frame.map(along);
-        let squared = t.mul_add(t, b.mul_add(b, a * a)).fast_max(f32x8::splat(1e-30));
+        let squared = t.mul_add(t, b.mul_add(b, a * a)).fast_max(f32x8::splat(f32::MIN_POSITIVE));
         let distance = squared.sqrt();
+        let inverse = f32x8::ONE / distance;
+        let end = end.unwrap_or_else(|| self.surface(a * inverse));
         let rim = (squared - radius * radius).fast_max(f32x8::ZERO).sqrt();
         let near = distance - radius;
-        let begun = (f32x8::splat(self.reach) - near) / (rim - near).fast_max(distance * f32x8::splat(1e-6));
+        let begun = (end - near) / (rim - near).fast_max(distance * f32x8::splat(1e-6));
         let radius = radius * begun.fast_max(f32x8::ZERO).fast_min(f32x8::ONE);
-        let inverse = f32x8::ONE / distance;
         let (t, b, a) = (t * inverse, b * inverse, a * inverse);
         let sine = (radius * inverse).fast_min(f32x8::ONE);
         let cosine = (f32x8::ONE - sine * sine).sqrt();
@@ -121,8 +136,20 @@ impl Square {
 
     /// Calls with the disc of each of eight spheres that is in the way of the light.
     #[inline(always)]
-    pub(super) fn each_disc(&self, offset: &[f32x8; 3], radius: f32x8, mut work: impl FnMut(Disc)) {
-        let (found, meets) = self.splat(offset, radius);
+    pub(super) fn each_disc(&self, offset: &[f32x8; 3], radius: f32x8, work: impl FnMut(Disc)) {
+        self.each_disc_before(None, offset, radius, work);
+    }
+
+    /// The same, where light begins at `end` behind each of the spheres.
+    #[inline(always)]
+    pub(super) fn each_disc_before(
+        &self,
+        end: Option<f32x8>,
+        offset: &[f32x8; 3],
+        radius: f32x8,
+        mut work: impl FnMut(Disc),
+    ) {
+        let (found, meets) = self.splat(offset, radius, end);
         let mut bits = meets.to_bitmask();
         if bits == 0 {
             return;
@@ -272,7 +299,7 @@ mod tests {
     use glam::DVec3;
 
     fn splat_one(square: &Square, offset: DVec3, radius: f32) -> ([f32; 3], bool) {
-        let (disc, meets) = square.splat(&offset.as_vec3().to_array().map(f32x8::splat), f32x8::splat(radius));
+        let (disc, meets) = square.splat(&offset.as_vec3().to_array().map(f32x8::splat), f32x8::splat(radius), None);
         (disc.map(|value| value.to_array()[3]), meets.to_array()[3].to_bits() != 0)
     }
 

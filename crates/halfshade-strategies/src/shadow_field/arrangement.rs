@@ -1,7 +1,6 @@
 //! Where everything is in a frame: objects and lights in the space of the distant light, and who is near to whom.
 
 use super::{
-    PART,
     basis::Ball,
     vertices::{Between, Vertices},
 };
@@ -10,16 +9,6 @@ use halfshade_scene::{EyeLobes, Frame, Mesh, Receivers, Scene, SphereLight};
 use halfshade_strategy::StrategyError;
 use std::{f32::consts::FRAC_1_PI, ops::Range, sync::Arc};
 use wide::f32x8;
-
-/// How far, in radii of its object, a receiver may be from the vertex that its number says it is.
-const SAME_PLACE: f32 = 1e-4;
-
-/// What is multiplied or added up [Tamura2006, figure 3].
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Entity {
-    Object(usize),
-    Light(usize),
-}
 
 /// An object of the scene, as it stays.
 struct Body {
@@ -38,16 +27,36 @@ pub(super) struct Place {
     /// Object space from light space, row by row, without the scale.
     object_from_light: [[f32; 3]; 3],
     inverse_scale: f32,
-    /// Over the radius of the object's ball in the world.
+    /// Of the object's ball in the world, and 1 over it.
+    radius: f32,
     inverse_radius: f32,
 }
 
 /// A local light in light space.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct LocalLight {
     pub(super) center: [f32; 3],
     pub(super) radius: f32,
     pub(super) radiance: [f32; 3],
+    /// Per object how much of it the light holds.
+    holds: Vec<Held>,
+}
+
+/// How much of an object lies within a light.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Held {
+    /// Not even its middle.
+    Nothing,
+    Middle,
+    All,
+}
+
+/// Where eight receivers see a local light.
+pub(super) struct LightSeen {
+    pub(super) offset: [f32x8; 3],
+    pub(super) distance_squared: f32x8,
+    /// Where it is all around, on its surface too: a mask.
+    pub(super) is_around: f32x8,
 }
 
 /// The scene in a frame.
@@ -56,8 +65,8 @@ pub(super) struct Arrangement {
     bodies: Vec<Body>,
     pub(super) places: Vec<Place>,
     pub(super) lights: Vec<LocalLight>,
-    /// Per object and part of it the others, from near to far.
-    orders: Vec<Vec<Vec<Entity>>>,
+    /// Per object the others, from near to far.
+    orders: Vec<Vec<usize>>,
     /// What receivers reflect towards the eye, if anything is glossy.
     pub(super) eye_lobes: Option<EyeLobes>,
     light_from_world: DQuat,
@@ -102,37 +111,37 @@ impl Arrangement {
                     // The columns of a rotation are the rows of its inverse.
                     object_from_light: columns.map(|column| column.map(|value| value as f32)),
                     inverse_scale: pose.scale.recip(),
+                    radius: world_radius,
                     inverse_radius: world_radius.max(f32::MIN_POSITIVE).recip(),
                 }
             })
             .collect();
-        self.lights = (frame.lights.iter())
-            .map(|light: &SphereLight| LocalLight {
-                center: self.point(light.center.as_dvec3()),
-                radius: light.radius,
-                radiance: light.radiance.to_array(),
-            })
-            .collect();
-        self.orders = (0..self.bodies.len()).map(|object| self.order_for(frame, object)).collect();
+        self.lights = frame.lights.iter().map(|light| self.local_light(light)).collect();
+        self.orders = (0..self.bodies.len()).map(|object| self.order_for(object)).collect();
         Ok(())
     }
 
-    /// For each part of an object all others, by their distance from the part's middle.
-    fn order_for(&self, frame: &Frame<'_>, object: usize) -> Vec<Vec<Entity>> {
-        use Entity::{Light, Object};
-        let others = (0..self.places.len()).filter(|&other| other != object).map(Object);
-        let others: Vec<_> = others.chain((0..self.lights.len()).map(Light)).collect();
-        let for_part = |center: &Vec3| {
-            let middle = Vec3::from(self.point(frame.world_from_object[object].transform_point(*center).as_dvec3()));
-            let distance = |entity: &Entity| match *entity {
-                Object(other) => middle.distance_squared(self.places[other].field_center.into()),
-                Light(number) => middle.distance_squared(self.lights[number].center.into()),
-            };
-            let mut order = others.clone();
-            order.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
-            order
+    fn local_light(&self, light: &SphereLight) -> LocalLight {
+        let center = self.point(light.center.as_dvec3());
+        let held = |place: &Place| {
+            let distance = Vec3::from(place.field_center).distance(center.into());
+            match place.radius {
+                radius if distance + radius <= light.radius => Held::All,
+                _ if distance <= light.radius => Held::Middle,
+                _ => Held::Nothing,
+            }
         };
-        self.bodies[object].vertices.part_centers.iter().map(for_part).collect()
+        let holds = self.places.iter().map(held).collect();
+        LocalLight { center, radius: light.radius, radiance: light.radiance.to_array(), holds }
+    }
+
+    /// All others, by the distance of their middles: the same for all of an object, so that shading has no steps on it.
+    fn order_for(&self, object: usize) -> Vec<usize> {
+        let middle = Vec3::from(self.places[object].field_center);
+        let distance = |other: usize| middle.distance_squared(self.places[other].field_center.into());
+        let mut order: Vec<usize> = (0..self.places.len()).filter(|&other| other != object).collect();
+        order.sort_by(|&a, &b| distance(a).total_cmp(&distance(b)));
+        order
     }
 
     /// Name and mesh of an object.
@@ -151,44 +160,80 @@ impl Arrangement {
         (self.light_from_world * direction.as_dvec3()).as_vec3()
     }
 
-    /// Hands out runs of receivers of one object and one part of it; `None` where there is no such object.
-    pub(super) fn each_part(
-        &self,
-        receivers: Receivers<'_>,
-        mut work: impl FnMut(Range<usize>, Option<(usize, usize)>),
-    ) {
-        let whose = |i: usize| {
-            let object = receivers.object[i] as usize;
-            self.part_of(object, receivers.index[i]).map(|part| (object, part))
-        };
+    /// Hands out runs of receivers of one object; `None` where there is no such object.
+    pub(super) fn each_object(&self, receivers: Receivers<'_>, mut work: impl FnMut(Range<usize>, Option<usize>)) {
         let mut first = 0;
-        while first < receivers.len() {
-            let part = whose(first);
-            let end = (first + 1..receivers.len()).find(|&i| whose(i) != part).unwrap_or(receivers.len());
-            work(first..end, part);
-            first = end;
+        for run in receivers.object.chunk_by(|a, b| a == b) {
+            let object = run[0] as usize;
+            work(first..first + run.len(), (object < self.bodies.len()).then_some(object));
+            first += run.len();
         }
     }
 
-    /// The part of its object that receiver `index` of `object` belongs to; `None` if there is no such object.
-    fn part_of(&self, object: usize, index: u32) -> Option<usize> {
-        let body = self.bodies.get(object)?;
-        let vertex = index.checked_sub(body.first_vertex).map_or(0, |vertex| vertex as usize);
-        Some((vertex / PART).min(body.vertices.part_centers.len() - 1))
+    /// All objects but this one, from near to far.
+    pub(super) fn order(&self, object: usize) -> &[usize] {
+        &self.orders[object]
     }
 
-    /// All entities but the part's own object, from near to far.
-    pub(super) fn order(&self, object: usize, part: usize) -> &[Entity] {
-        &self.orders[object][part]
+    /// Squared distance of an object's middle from eight places.
+    #[inline(always)]
+    pub(super) fn distance_squared(&self, object: usize, position: &[f32x8; 3]) -> f32x8 {
+        squared(&offset(&self.places[object].field_center, position))
     }
 
-    /// The vertex of `object` at a receiver of number `index`, `local` from the middle of its ball in object space; if it
-    /// isn't there, the nearest place of the object's surface.
-    pub(super) fn vertex(&self, object: usize, index: u32, local: Vec3) -> Option<Between> {
+    /// Where eight receivers see a light.
+    #[inline(always)]
+    pub(super) fn see(&self, light: usize, position: &[f32x8; 3]) -> LightSeen {
+        let light = &self.lights[light];
+        let offset = offset(&light.center, position);
+        let distance_squared = squared(&offset);
+        let is_around = distance_squared.simd_le(f32x8::splat(light.radius * light.radius));
+        LightSeen { offset, distance_squared, is_around }
+    }
+
+    /// Whether an object is nearer to each of eight receivers than a light, as a mask: by the middles of both
+    /// [Tamura2006, figure 3], which say nothing where one is within the other. Of a light that is all around, what has its
+    /// middle in it is nearer; from outside, what is all in it isn't.
+    #[inline(always)]
+    pub(super) fn is_before(&self, object: usize, light: usize, seen: &LightSeen, position: &[f32x8; 3]) -> f32x8 {
+        let held = self.lights[light].holds[object];
+        let from_outside = match held {
+            Held::All => f32x8::ZERO,
+            _ => self.distance_squared(object, position).simd_lt(seen.distance_squared),
+        };
+        match held {
+            Held::Nothing => seen.is_around.select(f32x8::ZERO, from_outside),
+            _ => seen.is_around | from_outside,
+        }
+    }
+
+    /// Where on its `object` a receiver lies, `local` from the middle of its ball in object space. Its number is where one
+    /// looks first, for a vertex: it tells nothing else.
+    pub(super) fn between(&self, object: usize, receiver: ReceiverOn) -> Option<Between> {
         let body = &self.bodies[object];
-        let guess = index.checked_sub(body.first_vertex).map(|vertex| vertex as usize);
-        body.vertices.find(guess, local + body.ball.center, SAME_PLACE * body.ball.radius)
+        let guess = receiver.index.checked_sub(body.first_vertex).map(|vertex| vertex as usize);
+        let normal = self.places[object].turn() * receiver.normal;
+        body.vertices.find(guess, receiver.local + body.ball.center, normal)
     }
+}
+
+/// A receiver as its object finds it.
+pub(super) struct ReceiverOn {
+    pub(super) index: u32,
+    /// From the middle of the object's ball, in object space.
+    pub(super) local: Vec3,
+    /// In light space.
+    pub(super) normal: Vec3,
+}
+
+#[inline(always)]
+fn offset(to: &[f32; 3], position: &[f32x8; 3]) -> [f32x8; 3] {
+    std::array::from_fn(|axis| f32x8::splat(to[axis]) - position[axis])
+}
+
+#[inline(always)]
+fn squared([x, y, z]: &[f32x8; 3]) -> f32x8 {
+    x.mul_add(*x, y.mul_add(*y, *z * *z))
 }
 
 impl Place {

@@ -97,8 +97,8 @@ impl Baking<'_> {
                 (None, _) => (None, None),
             };
             known.push(Arc::new(Known { field, traced, own }));
-            let nowhere = Ball { center: glam::Vec3::ZERO, radius: 0.0 };
-            bodies.push((Arc::new(Vertices::new(mesh)), ball.unwrap_or(nowhere)));
+            let ball = ball.unwrap_or(Ball { center: glam::Vec3::ZERO, radius: 0.0 });
+            bodies.push((Arc::new(Vertices::new(mesh, ball.radius)), ball));
         }
         Ok((known, Arrangement::new(bodies.into_iter(), scene)))
     }

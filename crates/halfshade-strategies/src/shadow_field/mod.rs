@@ -19,6 +19,16 @@
 //!
 //! A glossy receiver has a U of its own for each lobe of its BRDF.
 //!
+//! **Order.** All receivers of an object multiply the others by the distances of their middles. Which of them are before a
+//! local light is decided at each receiver: those whose middle is nearer to it than the light's. A light that holds the
+//! receiver is all around it, and before it is what has its middle in the light; from outside, nothing is that lies in the light
+//! as a whole.
+//!
+//! **Bounds.** Every product is held to what `U = V ρ` can be for a visibility V in [0, 1] (`sh/reach.rs`), and to no more
+//! than before: under constant light radiance lies within [0, unshadowed] and falls with every further blocker, however
+//! many there are. Under any other light SH ring, by at most its norm times that of ρ. Haar wavelets are held to [0, 1]
+//! texel by texel.
+//!
 //! **Beyond the paper.** Shells that neighbours tell go too (`sampling=adaptive-shells`). Three shells within the first, where
 //! the paper says nothing, keep flat objects flat (`inner`). Sample points within a solid are moved out of it (`inside`):
 //! nobody looks from there, but who is near its surface interpolates with them, and dark rings came of it. Wavelets are
@@ -26,8 +36,8 @@
 //!
 //! **Limits.** Light and gloss are as sharp as bands or texels. Within the innermost shell a receiver lies between shell and
 //! centre; past the last one, what is blocked shrinks with the solid angle.
-//! A receiver between vertices interpolates what its object hides from them; with `own=projected` it takes nothing,
-//! because there the normal is in it. Meshes that deform can't be modelled.
+//! A receiver between vertices interpolates what its object hides from them; with `own=projected`, where the normal is in
+//! it, only on the surface and with the surface's normal. Meshes that deform can't be modelled.
 
 mod adaptive;
 mod arrangement;
@@ -192,6 +202,3 @@ impl Strategy for ShadowField {
         }
     }
 }
-
-/// Vertices of one part of an object. Each part has its order of the others, so that large objects are split.
-const PART: usize = 1024;

@@ -1,7 +1,7 @@
 //! What fields stand for, found by rays at the receiver itself: slow, to tell what interpolation and products cost.
 
 use super::{
-    arrangement::{Arrangement, Entity},
+    arrangement::Arrangement,
     basis::{Ball, Basis},
     vertices::OwnRays,
 };
@@ -34,13 +34,13 @@ pub(super) struct Point {
     pub(super) normal: Vec3,
 }
 
-/// What reaches a receiver at once, `V cos/π` as a function of direction in light space: V what its own object and those
-/// `nearer` leave visible.
+/// What reaches a receiver at once, `V cos/π` as a function of direction in light space: V what its own object and the
+/// `nearer` ones leave visible.
 pub(super) fn reached<'a>(
     arrangement: &Arrangement,
     traced: impl Fn(usize) -> Option<&'a Traced>,
     point: Point,
-    nearer: &[Entity],
+    nearer: impl Iterator<Item = usize>,
 ) -> impl Fn(Vec3) -> f32 + 'a {
     let seen = |object: usize| {
         let traced = traced(object)?;
@@ -53,13 +53,7 @@ pub(super) fn reached<'a>(
         let rounding = ROUNDING * arrangement.places[point.object].largest_term(point.position);
         (traced, turn, local, turn * point.normal, rounding)
     });
-    let others: Vec<_> = nearer
-        .iter()
-        .filter_map(|entity| match entity {
-            Entity::Object(other) => seen(*other),
-            Entity::Light(_) => None,
-        })
-        .collect();
+    let others: Vec<_> = nearer.filter_map(seen).collect();
     move |direction| {
         let cosine = direction.dot(point.normal);
         let hidden = || {

@@ -10,7 +10,7 @@ use wide::f32x8;
 /// Points along a side of a cell, at which light is looked up.
 const STEPS: usize = 8;
 
-/// Flux that counts as none: small enough for any light, and far from subnormal when it is weighted.
+/// Flux that counts as none, of light whose brightest is about 1: far from subnormal when it is weighted.
 const DARK: f32 = 1e-30;
 
 /// The axes of both squares, at right angles: about the zenith, and about the nadir.
@@ -39,7 +39,7 @@ impl Cells8 {
     }
 }
 
-/// The cells of both hemispheres, one after the other, in the order of their covers.
+/// The cells of both hemispheres, one after the other, in the order of their covers, of light as bright as 1.
 pub(super) fn cells(side: usize, light: &LobeSum) -> [Vec<Cells8>; 2] {
     FRAMES.map(|frame| {
         let square = Square::hemisphere(frame);

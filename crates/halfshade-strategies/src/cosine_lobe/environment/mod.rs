@@ -16,6 +16,9 @@
 //! cell's direction, or for a glossy lobe the integral of its product with the lobe of the cell's solid angle. As a ratio of
 //! two sums over the same cells it is exact where nothing or everything is covered.
 //!
+//! A spherical light around the receiver is a constant environment that ends at the light's surface: a sphere that begins
+//! before the surface and whose silhouette lies beyond it shrinks on the way, as before any light (`square.rs`).
+//!
 //! The cells turn with the environment, so that light is gathered once; a frame turns directions alone. Work per receiver
 //! doesn't grow with the number of lobes but by the unblocked products.
 
@@ -24,7 +27,7 @@ mod cover;
 mod lamps;
 
 use super::{
-    blockers::{Receiver, Spheres},
+    blockers::{Ball, Receiver, Spheres},
     reflectance::{Horizon, Term, Terms},
     square::Square,
 };
@@ -105,8 +108,13 @@ impl Fitted {
             side,
             uniform: Vec3::from(sum.uniform.map(|channel| channel as f32)),
             lobes: sum.lobes.chunks(8).map(gathered).collect(),
-            cells: if sum == LobeSum::default() { Default::default() } else { cells::cells(side, &sum) },
+            cells: if sum == LobeSum::default() { Default::default() } else { cells::cells(side, &relative(&sum)) },
         }
+    }
+
+    /// Radiance 1 from everywhere.
+    pub(super) fn everywhere(depth: usize, table: &LobeTable) -> Self {
+        Self::new(&DistantLight::Constant(Vec3::ONE), 0, 0, depth, table)
     }
 
     /// Lights of their own.
@@ -150,17 +158,17 @@ impl Fitted {
 }
 
 impl Surroundings {
-    /// What a receiver reflects of it.
+    /// What a receiver reflects of it; behind `end`, whose middle is given from the receiver, nothing blocks.
     pub(super) fn reflected(
         &self,
         receiver: &Receiver,
         terms: &Terms,
-        spheres: &Spheres,
+        (spheres, end): (&Spheres, Option<&Ball>),
         rule: AdjustRule,
         table: &LobeTable,
         work: &mut Work,
     ) -> Vec3 {
-        let is_blocked = self.cover(receiver, spheres, rule, work);
+        let is_blocked = self.cover(receiver, (spheres, end), rule, work);
         let mut radiance = Vec3::ZERO;
         for term in terms.iter() {
             let lobe = above_horizon(term, receiver, table);
@@ -185,12 +193,19 @@ impl Surroundings {
     }
 
     /// Finds what is covered; `false` if nothing is.
-    fn cover(&self, receiver: &Receiver, spheres: &Spheres, rule: AdjustRule, work: &mut Work) -> bool {
+    fn cover(
+        &self,
+        receiver: &Receiver,
+        (spheres, end): (&Spheres, Option<&Ball>),
+        rule: AdjustRule,
+        work: &mut Work,
+    ) -> bool {
         let mut is_blocked = false;
         for (center, radius) in spheres.groups() {
             let (offset, radius) = receiver.adjusted(&center, radius, rule);
+            let end = end.map(|end| end.surface_behind(&offset));
             for (half, square) in self.squares.iter().enumerate() {
-                square.each_disc(&offset, radius, |disc| {
+                square.each_disc_before(end, &offset, radius, |disc| {
                     if !is_blocked {
                         is_blocked = true;
                         work.covers.iter_mut().for_each(|cover| cover.clear(self.side));
@@ -239,6 +254,16 @@ impl Surroundings {
         };
         Vec3::new(part(0), part(1), part(2))
     }
+}
+
+/// Of a brightness near 1, by a power of two that changes no bit: what counts as dark is relative to it. Cells tell parts of
+/// their light alone.
+fn relative(sum: &LobeSum) -> LobeSum {
+    let brightest = sum.lobes.iter().map(|lobe| lobe.scale).chain([sum.uniform]).flatten().fold(0.0, f64::max);
+    let factor = if brightest > 0.0 { (-brightest.log2().floor()).exp2() } else { 1.0 };
+    let scaled = |channels: [f64; 3]| channels.map(|channel| channel * factor);
+    let lobes = sum.lobes.iter().map(|lobe| ColoredLobe { scale: scaled(lobe.scale), ..*lobe }).collect();
+    LobeSum { uniform: scaled(sum.uniform), lobes }
 }
 
 /// The lobe of a term, without what it has below the horizon.

@@ -43,6 +43,9 @@ pub(super) struct Cap {
 }
 
 impl Cap {
+    /// All directions.
+    pub(super) const ALL: Self = Self { axis: Vec3::Y, from: -3.0, whole: -2.0, solid_angle: 2.0 * TAU };
+
     /// Of an angular radius in radians.
     pub(super) fn new(basis: &HaarBasis, axis: Vec3, angular_radius: f32) -> Self {
         // As wide as a texel in the middle of a face: at least one of them is met, and the axis is kept.

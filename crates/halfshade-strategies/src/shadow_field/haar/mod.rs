@@ -33,7 +33,7 @@ use turn::Turn;
 /// How visibilities are multiplied.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Product {
-    /// Texel by texel; what is hidden is held within [0, 1] on the way.
+    /// Texel by texel.
     Texels,
     /// The triple product of wavelets.
     Wavelets,

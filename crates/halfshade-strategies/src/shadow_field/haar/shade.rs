@@ -3,11 +3,12 @@
 use super::{
     HaarFields, Product,
     light::Cap,
+    projection::HaarBasis,
     sparse::{forward, inverse},
     sum::Sum,
 };
 use crate::shadow_field::{
-    arrangement::{Entity, LocalLight},
+    arrangement::{LightSeen, LocalLight, ReceiverOn},
     baking::Source,
     traced::{self, Point},
 };
@@ -17,7 +18,7 @@ use halfshade_sh::haar::{product::product, transform};
 use std::{f32::consts::FRAC_1_PI, ops::Range};
 use wide::f32x8;
 
-/// Shades all receivers, part by part of their objects: each has its order of entities.
+/// Shades all receivers, object by object.
 pub(super) fn shade(fields: &HaarFields, receivers: Receivers<'_>, mut out: RadianceMut<'_>) {
     let count = fields.basis.cube.len();
     let mut scratch = Scratch {
@@ -27,9 +28,10 @@ pub(super) fn shade(fields: &HaarFields, receivers: Receivers<'_>, mut out: Radi
         product: vec![0.0; fields.basis.cube.face_len()],
         texels: vec![0.0; count],
         gloss: std::array::from_fn(|_| vec![0.0; count]),
+        order: Order::default(),
     };
-    fields.arrangement.each_part(receivers, |range, part| match part {
-        Some(part) => scratch.shade_part(fields, receivers, range, part, &mut out),
+    fields.arrangement.each_object(receivers, |range, object| match object {
+        Some(object) => scratch.shade_object(fields, receivers, range, object, &mut out),
         None => range.for_each(|i| out.set(i, Vec3::ZERO)),
     });
 }
@@ -47,69 +49,168 @@ struct Scratch {
     texels: Vec<f32>,
     /// What a glossy receiver reflects: red, green, blue.
     gloss: [Vec<f32>; 3],
+    order: Order,
+}
+
+/// Objects and lights as one receiver sees them.
+#[derive(Debug, Default)]
+struct Order {
+    /// All others, from near to far, by squared distance.
+    objects: Vec<(f32, usize)>,
+    /// What is before each light.
+    lights: Vec<Behind>,
+}
+
+/// What is before a light, of objects from near to far.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Behind {
+    /// The first so many.
+    First(usize),
+    /// Others too, as where the light is all around.
+    Others,
+}
+
+impl Order {
+    fn set(&mut self, fields: &HaarFields, receiver: &Receiver) {
+        let Self { objects, lights } = self;
+        let arrangement = &fields.arrangement;
+        let distance = |&other: &usize| (arrangement.distance_squared(other, &receiver.position).as_array()[0], other);
+        objects.clear();
+        objects.extend(arrangement.order(receiver.point.object).iter().map(distance));
+        objects.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        lights.clear();
+        lights.extend((0..arrangement.lights.len()).map(|light| {
+            let seen = arrangement.see(light, &receiver.position);
+            let is_before = |&(_, other): &(f32, usize)| is_before(fields, other, light, &seen, receiver);
+            let first = objects.iter().take_while(|object| is_before(object)).count();
+            if objects[first..].iter().any(is_before) { Behind::Others } else { Behind::First(first) }
+        }));
+    }
+
+    /// The lights that have so much before them.
+    fn behind(&self, what: Behind) -> impl Iterator<Item = usize> {
+        (0..self.lights.len()).filter(move |&light| self.lights[light] == what)
+    }
+}
+
+/// Where one receiver is and what it does.
+struct Receiver {
+    point: Point,
+    position: [f32x8; 3],
+    index: u32,
+    is_glossy: bool,
 }
 
 impl Scratch {
-    fn shade_part(
+    fn shade_object(
         &mut self,
         fields: &HaarFields,
         receivers: Receivers<'_>,
         range: Range<usize>,
-        (object, part): (usize, usize),
+        object: usize,
         out: &mut RadianceMut<'_>,
     ) {
         let arrangement = &fields.arrangement;
         for i in range {
-            let position = arrangement.point(receivers.position_at(i).as_dvec3());
-            let lanes = position.map(f32x8::splat);
+            let place = arrangement.point(receivers.position_at(i).as_dvec3());
             let normal = arrangement.direction(receivers.normal_at(i));
             let lobes = arrangement.eye_lobes.as_ref().map_or(Lobes::NONE, |lobes| lobes.at(&receivers, i));
-            let is_glossy = !lobes.is_empty();
-            if is_glossy {
+            let receiver = Receiver {
+                point: Point { object, position: place, normal },
+                position: place.map(f32x8::splat),
+                index: receivers.index[i],
+                is_glossy: !lobes.is_empty(),
+            };
+            if receiver.is_glossy {
                 self.set_gloss(fields, normal, receivers.albedo_at(i), &lobes);
             }
-            self.set_unit(fields, normal, is_glossy);
-            let local = arrangement.places[object].point_in_object(position);
-            if let Some(between) = arrangement.vertex(object, receivers.index[i], local) {
-                let own = &fields.known[object].own;
-                between.parts().for_each(|(vertex, weight)| own.add(vertex, weight, &mut self.blocked));
-                self.hide(fields, object);
+            let radiance = match fields.source {
+                Source::Together => self.radiance_together(fields, &receiver),
+                Source::Fields | Source::Traced => self.radiance(fields, &receiver),
+            };
+            out.set(i, if receiver.is_glossy { radiance } else { receivers.albedo_at(i) * radiance });
+        }
+    }
+
+    /// What reaches a receiver, object after object; times what it reflects if that is glossy.
+    fn radiance(&mut self, fields: &HaarFields, receiver: &Receiver) -> Vec3 {
+        let arrangement = &fields.arrangement;
+        let mut order = std::mem::take(&mut self.order);
+        order.set(fields, receiver);
+        let mut radiance = Vec3::ZERO;
+        self.start(fields, receiver);
+        for step in 0..=order.objects.len() {
+            radiance +=
+                order.behind(Behind::First(step)).map(|light| self.reached(fields, light, receiver)).sum::<Vec3>();
+            if let Some(&(_, other)) = order.objects.get(step) {
+                self.hide_behind(fields, other, receiver);
             }
-            let mut radiance = Vec3::ZERO;
-            let order = arrangement.order(object, part);
-            let point = Point { object, position, normal };
-            for (number, entity) in order.iter().enumerate() {
-                match *entity {
-                    Entity::Object(_) if fields.source == Source::Together => {}
-                    Entity::Object(other) => {
-                        let (known, place) = (&fields.known[other], &arrangement.places[other]);
-                        if let Some(field) = &known.field {
-                            field.add_at(place.on_shells(&lanes), std::slice::from_mut(&mut self.blocked));
-                        } else if let Some(traced) = &known.traced {
-                            self.blocked.add(&traced.blocked_from(&fields.basis, place.point_in_object(position)));
-                        }
-                        self.hide(fields, other);
-                    }
-                    Entity::Light(light) => {
-                        if fields.source == Source::Together {
-                            self.set_together(fields, point, &order[..number], is_glossy);
-                        }
-                        let light = &arrangement.lights[light];
-                        radiance += self.reached(fields, light, position, is_glossy) * Vec3::from(light.radiance);
-                    }
+        }
+        radiance += self.reached_from_far(fields, receiver);
+        for light in order.behind(Behind::Others) {
+            let seen = arrangement.see(light, &receiver.position);
+            self.start(fields, receiver);
+            for &(_, other) in &order.objects {
+                if is_before(fields, other, light, &seen, receiver) {
+                    self.hide_behind(fields, other, receiver);
                 }
             }
-            if fields.source == Source::Together {
-                self.set_together(fields, point, order, is_glossy);
-            }
-            let Self { unit, texels, gloss, .. } = self;
-            let texels = as_texels(fields, unit, texels);
-            radiance += Vec3::from(std::array::from_fn(|channel| match is_glossy {
-                false => dot(texels, &fields.light[channel]),
-                true => dot_three(texels, &gloss[channel], &fields.light[channel]),
-            }));
-            out.set(i, if is_glossy { radiance } else { receivers.albedo_at(i) * radiance });
+            radiance += self.reached(fields, light, receiver);
         }
+        self.order = order;
+        radiance
+    }
+
+    /// The same, with all that hides at once.
+    fn radiance_together(&mut self, fields: &HaarFields, receiver: &Receiver) -> Vec3 {
+        let arrangement = &fields.arrangement;
+        let mut radiance = Vec3::ZERO;
+        let others = || arrangement.order(receiver.point.object).iter().copied();
+        for light in 0..arrangement.lights.len() {
+            let seen = arrangement.see(light, &receiver.position);
+            self.set_together(
+                fields,
+                receiver,
+                others().filter(|&other| is_before(fields, other, light, &seen, receiver)),
+            );
+            radiance += self.reached(fields, light, receiver);
+        }
+        self.set_together(fields, receiver, others());
+        radiance + self.reached_from_far(fields, receiver)
+    }
+
+    /// U of a receiver that only its own object hides from.
+    fn start(&mut self, fields: &HaarFields, receiver: &Receiver) {
+        let Point { object, position, normal } = receiver.point;
+        self.set_unit(fields, normal, receiver.is_glossy);
+        let local = fields.arrangement.places[object].point_in_object(position);
+        let on = ReceiverOn { index: receiver.index, local, normal };
+        if let Some(between) = fields.arrangement.between(object, on) {
+            let own = &fields.known[object].own;
+            between.parts().for_each(|(vertex, weight)| own.add(vertex, weight, &mut self.blocked));
+            self.hide(fields, object);
+        }
+    }
+
+    /// Takes away what another object hides.
+    fn hide_behind(&mut self, fields: &HaarFields, other: usize, receiver: &Receiver) {
+        let (known, place) = (&fields.known[other], &fields.arrangement.places[other]);
+        if let Some(field) = &known.field {
+            field.add_at(place.on_shells(&receiver.position), std::slice::from_mut(&mut self.blocked));
+        } else if let Some(traced) = &known.traced {
+            self.blocked.add(&traced.blocked_from(&fields.basis, place.point_in_object(receiver.point.position)));
+        }
+        self.hide(fields, other);
+    }
+
+    /// `S_d · U`, by channel where the BRDF differs among them.
+    fn reached_from_far(&mut self, fields: &HaarFields, receiver: &Receiver) -> Vec3 {
+        let Self { unit, texels, gloss, .. } = self;
+        let texels = as_texels(fields, unit, texels);
+        Vec3::from(std::array::from_fn(|channel| match receiver.is_glossy {
+            false => dot(texels, &fields.light[channel]),
+            true => dot_three(texels, &gloss[channel], &fields.light[channel]),
+        }))
     }
 
     /// U = ρ̂: the clamped cosine over π; 1 for a glossy receiver, whose BRDF waits in `gloss`.
@@ -158,12 +259,12 @@ impl Scratch {
     }
 
     /// U = V ρ̂ with all that hides at once; V alone for a glossy receiver.
-    fn set_together(&mut self, fields: &HaarFields, point: Point, nearer: &[Entity], is_glossy: bool) {
-        let reached =
-            traced::reached(&fields.arrangement, |object| fields.known[object].traced.as_ref(), point, nearer);
+    fn set_together(&mut self, fields: &HaarFields, receiver: &Receiver, nearer: impl Iterator<Item = usize>) {
+        let traced = |object: usize| fields.known[object].traced.as_ref();
+        let reached = traced::reached(&fields.arrangement, traced, receiver.point, nearer);
         for (unit, &direction) in self.unit.iter_mut().zip(&fields.basis.directions) {
             let reached = reached(direction);
-            *unit = if is_glossy { f32::from(u8::from(reached > 0.0)) } else { reached };
+            *unit = if receiver.is_glossy { f32::from(u8::from(reached > 0.0)) } else { reached };
         }
         self.enter_basis(fields);
     }
@@ -182,13 +283,13 @@ impl Scratch {
             if !turn.meets(face, faces) {
                 continue;
             }
+            // What is hidden lies within [0, 1], though the wavelets that are left may say otherwise.
             match fields.product {
-                // What is hidden lies within [0, 1], though the wavelets that are left may say otherwise.
                 Product::Texels => {
                     turn.each(cube, face, &blocked.values, |k, value| unit[k] *= 1.0 - value.clamp(0.0, 1.0));
                 }
                 Product::Wavelets => {
-                    turn.each(cube, face, &blocked.values, |k, value| visible[k] = 1.0 - value);
+                    turn.each(cube, face, &blocked.values, |k, value| visible[k] = 1.0 - value.clamp(0.0, 1.0));
                     transform::forward(visible);
                     product(unit, visible, result);
                     unit.copy_from_slice(result);
@@ -198,25 +299,38 @@ impl Scratch {
         blocked.clear();
     }
 
-    /// `S_j · U` of a light of radiance 1, by channel where the BRDF differs among them.
-    fn reached(&mut self, fields: &HaarFields, light: &LocalLight, position: [f32; 3], is_glossy: bool) -> Vec3 {
-        let basis = &fields.basis;
-        let offset = Vec3::from(light.center) - Vec3::from(position);
-        // Within the light it is everywhere it can be, as far as a right angle.
-        let sine = (light.radius / offset.length().max(f32::MIN_POSITIVE)).min(1.0);
-        let cap = Cap::new(basis, offset.normalize_or(Vec3::Y), sine.asin());
+    /// `S_j · U` of a light, by channel where the BRDF differs among them.
+    fn reached(&mut self, fields: &HaarFields, light: usize, receiver: &Receiver) -> Vec3 {
+        let (basis, seen) = (&fields.basis, fields.arrangement.see(light, &receiver.position));
+        let light = &fields.arrangement.lights[light];
+        let cap = cap(basis, light, &seen);
         let Self { unit, texels, gloss, .. } = self;
         let (mut sum, mut covered) = (Vec3::ZERO, 0.0);
         for (texel, unit) in as_texels(fields, unit, texels).iter().enumerate() {
             let weight = cap.coverage(basis, texel) * basis.solid_angles[texel];
             if weight > 0.0 {
                 let gloss = Vec3::from(gloss.each_ref().map(|channel| channel[texel]));
-                sum += weight * unit * if is_glossy { gloss } else { Vec3::ONE };
+                sum += weight * unit * if receiver.is_glossy { gloss } else { Vec3::ONE };
                 covered += weight;
             }
         }
-        if covered > 0.0 { sum * (cap.solid_angle() / covered) } else { Vec3::ZERO }
+        if covered > 0.0 { sum * (cap.solid_angle() / covered) * Vec3::from(light.radiance) } else { Vec3::ZERO }
     }
+}
+
+/// The cap that a light is, or all directions from within it.
+fn cap(basis: &HaarBasis, light: &LocalLight, seen: &LightSeen) -> Cap {
+    if seen.is_around.as_array()[0].to_bits() != 0 {
+        return Cap::ALL;
+    }
+    let offset = Vec3::from(seen.offset.each_ref().map(|axis| axis.as_array()[0]));
+    let sine = (light.radius / offset.length().max(f32::MIN_POSITIVE)).min(1.0);
+    Cap::new(basis, offset.normalize_or(Vec3::Y), sine.asin())
+}
+
+/// Whether an object is before a light.
+fn is_before(fields: &HaarFields, object: usize, light: usize, seen: &LightSeen, receiver: &Receiver) -> bool {
+    fields.arrangement.is_before(object, light, seen, &receiver.position).to_bitmask() & 1 != 0
 }
 
 /// U as texels, in `texels` if it is wavelets.

@@ -2,6 +2,7 @@
 
 mod gloss;
 mod projection;
+mod reach;
 mod shade;
 mod shell;
 

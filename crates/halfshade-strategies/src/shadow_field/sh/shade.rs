@@ -1,8 +1,8 @@
-//! Shading as in [Tamura2006, figure 3], eight receivers side by side, one entity after another.
+//! Shading as in [Tamura2006, figure 3], eight receivers side by side, one object after another.
 
-use super::{OwnKind, ShFields, gloss::GlossBatch, shell::MOST};
+use super::{OwnKind, ShFields, gloss::GlossBatch, reach::Bound, shell::MOST};
 use crate::shadow_field::{
-    arrangement::{Entity, LocalLight},
+    arrangement::{LightSeen, LocalLight, ReceiverOn},
     baking::Source,
     basis::Basis,
     traced::{Point, reached as reached_together},
@@ -13,20 +13,53 @@ use halfshade_sh::kernel::{self, FULL, LANES, ShBatch};
 use std::ops::Range;
 use wide::f32x8;
 
-/// Shades all receivers, part by part of their objects: each has its order of entities.
+/// Shades all receivers, object by object: each has its order of the others.
 pub(super) fn shade<const N: usize>(fields: &ShFields, receivers: Receivers<'_>, mut out: RadianceMut<'_>) {
-    fields.arrangement.each_part(receivers, |range, part| match part {
-        Some(part) => shade_part::<N>(fields, receivers, range, part, &mut out),
+    let mut apart = vec![Apart::NOT; fields.arrangement.lights.len()];
+    fields.arrangement.each_object(receivers, |range, object| match object {
+        Some(object) => shade_object::<N>(fields, receivers, range, object, &mut apart, &mut out),
         None => range.for_each(|i| out.set(i, Vec3::ZERO)),
     });
 }
 
-/// Shades receivers of one part of an object.
-fn shade_part<const N: usize>(
+/// U of the diffuse part, and of each glossy lobe.
+type Units<const N: usize> = [ShBatch<N>; 1 + MAX_LOBES];
+
+/// What reaches from a light that not all receivers see behind the objects so far.
+#[derive(Clone)]
+struct Apart<const N: usize> {
+    is_apart: bool,
+    units: Units<N>,
+}
+
+impl<const N: usize> Apart<N> {
+    const NOT: Self = Self { is_apart: false, units: [[f32x8::ZERO; N]; 1 + MAX_LOBES] };
+
+    /// Takes what is visible behind an object where that is before the light; until it isn't everywhere, `shared` does.
+    fn hide(&mut self, before: f32x8, visible: &ShBatch<N>, bounds: &[Bound<'_, N>], shared: &[ShBatch<N>]) {
+        if !self.is_apart {
+            if before.all() {
+                return;
+            }
+            self.is_apart = true;
+            self.units[..shared.len()].copy_from_slice(shared);
+        }
+        if before.any() {
+            for (unit, bound) in self.units.iter_mut().zip(bounds) {
+                let product = bound.times(unit, visible);
+                unit.iter_mut().zip(product).for_each(|(unit, product)| *unit = before.select(product, *unit));
+            }
+        }
+    }
+}
+
+/// Shades receivers of one object.
+fn shade_object<const N: usize>(
     fields: &ShFields,
     receivers: Receivers<'_>,
     range: Range<usize>,
-    (object, part): (usize, usize),
+    object: usize,
+    apart: &mut [Apart<N>],
     out: &mut RadianceMut<'_>,
 ) {
     let arrangement = &fields.arrangement;
@@ -39,62 +72,64 @@ fn shade_part<const N: usize>(
         let normals: [Vec3; LANES] = std::array::from_fn(|k| arrangement.direction(receivers.normal_at(lane(k))));
         let normal = std::array::from_fn(|axis| f32x8::from(normals.map(|n| n[axis])));
         let cosine = kernel::times_bands(&kernel::basis::<f32x8, N>(normal), &fields.cosine);
-        let own = own::<N>(fields, object, receivers, &position, lane);
-        // U of the diffuse part, and of each glossy lobe.
-        let mut units = [[f32x8::ZERO; N]; 1 + MAX_LOBES];
-        units[0] = match &own {
-            Own::Visible(visible) => kernel::product(visible, &cosine),
-            Own::Transfer(transfer, found) => std::array::from_fn(|i| found.select(transfer[i], cosine[i])),
-        };
         let gloss = arrangement
             .eye_lobes
             .as_ref()
             .map(|lobes| GlossBatch::new(fields, lobes, &receivers, lane, (&normal, &cosine)));
-        if let (Some(gloss), Own::Visible(visible)) = (&gloss, &own) {
-            for (unit, shape) in units[1..].iter_mut().zip(&gloss.shapes[..gloss.count]) {
-                *unit = kernel::product(visible, shape);
-            }
+        let count = 1 + gloss.as_ref().map_or(0, |gloss| gloss.count);
+        let bounds: [Bound<'_, N>; 1 + MAX_LOBES] = std::array::from_fn(|number| match &gloss {
+            Some(gloss) if number > 0 => Bound::lobe(&gloss.shapes[number - 1]),
+            _ => Bound::diffuse(&cosine),
+        });
+        let bounds = &bounds[..count];
+        let own = own::<N>(fields, object, receivers, &position, &normals, lane);
+        let mut units: Units<N> = [[f32x8::ZERO; N]; 1 + MAX_LOBES];
+        let units = &mut units[..count];
+        for (unit, bound) in units.iter_mut().zip(bounds) {
+            *unit = match &own {
+                Own::Visible(visible) => bound.times(bound.shape(), visible),
+                Own::Transfer(transfer, found) => std::array::from_fn(|i| found.select(transfer[i], bound.shape()[i])),
+            };
         }
-        let units = &mut units[..1 + gloss.as_ref().map_or(0, |gloss| gloss.count)];
-        let mut radiance = [[f32x8::ZERO; 3]; 1 + MAX_LOBES];
-        let order = arrangement.order(object, part);
-        let together = |nearer: &[Entity]| {
+        let seen = |light: usize| arrangement.see(light, &position);
+        let order = arrangement.order(object);
+        let together = |before: &dyn Fn(usize) -> f32x8| {
             let mut unit = [[0.0_f32; LANES]; N];
             for k in 0..lanes {
                 let point = Point { object, position: positions[k], normal: normals[k] };
-                let vector = fields.basis.project(&reached_together(
-                    arrangement,
-                    |object| fields.known[object].traced.as_ref(),
-                    point,
-                    nearer,
-                ));
+                let nearer = order.iter().copied().filter(|&other| before(other).to_bitmask() & (1 << k) != 0);
+                let traced = |object: usize| fields.known[object].traced.as_ref();
+                let vector = fields.basis.project(&reached_together(arrangement, traced, point, nearer));
                 unit.iter_mut().zip(vector).for_each(|(row, value)| row[k] = value);
             }
             unit.map(f32x8::from)
         };
-        for (number, entity) in order.iter().enumerate() {
-            match *entity {
-                Entity::Object(_) if fields.source == Source::Together => {}
-                Entity::Object(other) => {
-                    if let Some(visible) = visible::<N>(fields, other, &position) {
-                        units.iter_mut().for_each(|unit| *unit = kernel::product(&visible, unit));
-                    }
+        apart.iter_mut().for_each(|apart| apart.is_apart = false);
+        if fields.source == Source::Together {
+            for (light, apart) in apart.iter_mut().enumerate() {
+                let seen = seen(light);
+                apart.is_apart = true;
+                apart.units[0] = together(&|other| arrangement.is_before(other, light, &seen, &position));
+            }
+            units[0] = together(&|_| f32x8::ZERO.simd_eq(f32x8::ZERO));
+        } else {
+            for &other in order {
+                let Some(visible) = visible::<N>(fields, other, &position) else { continue };
+                for (light, apart) in apart.iter_mut().enumerate() {
+                    let before = arrangement.is_before(other, light, &seen(light), &position);
+                    apart.hide(before, &visible, bounds, units);
                 }
-                Entity::Light(light) => {
-                    if fields.source == Source::Together {
-                        units[0] = together(&order[..number]);
-                    }
-                    let light = &arrangement.lights[light];
-                    let cap = cap::<N>(fields, light, &position);
-                    for (unit, radiance) in units.iter().zip(&mut radiance) {
-                        let reached = kernel::dot(&cap, unit);
-                        (0..3).for_each(|c| radiance[c] += reached * f32x8::splat(light.radiance[c]));
-                    }
-                }
+                units.iter_mut().zip(bounds).for_each(|(unit, bound)| *unit = bound.times(unit, &visible));
             }
         }
-        if fields.source == Source::Together {
-            units[0] = together(order);
+        let mut radiance = [[f32x8::ZERO; 3]; 1 + MAX_LOBES];
+        for ((number, light), apart) in arrangement.lights.iter().enumerate().zip(&*apart) {
+            let cap = cap::<N>(fields, light, &seen(number));
+            let units = if apart.is_apart { &apart.units } else { &*units };
+            for (unit, radiance) in units[..count].iter().zip(&mut radiance) {
+                let reached = kernel::dot(&cap, unit);
+                (0..3).for_each(|c| radiance[c] += reached * f32x8::splat(light.radiance[c]));
+            }
         }
         for (unit, radiance) in units.iter().zip(&mut radiance) {
             for (values, weights) in unit.iter().zip(&fields.light) {
@@ -129,22 +164,24 @@ fn own<const N: usize>(
     object: usize,
     receivers: Receivers<'_>,
     position: &[f32x8; 3],
+    normals: &[Vec3; LANES],
     lane: impl Fn(usize) -> usize,
 ) -> Own<N> {
     let (known, arrangement) = (&fields.known[object], &fields.arrangement);
-    let mut local = [[0.0_f32; LANES]; N];
+    let mut vector = [[0.0_f32; LANES]; N];
     let mut found = [0.0_f32; LANES];
     let points = arrangement.places[object].in_object(position).map(f32x8::to_array);
     for k in 0..LANES {
-        let point = Vec3::from(points.map(|axis| axis[k]));
-        if let Some(between) = arrangement.vertex(object, receivers.index[lane(k)], point) {
+        let local = Vec3::from(points.map(|axis| axis[k]));
+        let receiver = ReceiverOn { index: receivers.index[lane(k)], local, normal: normals[k] };
+        if let Some(between) = arrangement.between(object, receiver) {
             for (vertex, weight) in between.parts() {
-                local.iter_mut().zip(&known.own[vertex * N..]).for_each(|(row, &value)| row[k] += weight * value);
+                vector.iter_mut().zip(&known.own[vertex * N..]).for_each(|(row, &value)| row[k] += weight * value);
             }
-            found[k] = f32::from(u8::from(between.is_vertex));
+            found[k] = f32::from(u8::from(between.is_there));
         }
     }
-    let vector = turned(&local.map(f32x8::from), &fields.rotations[object]);
+    let vector = turned(&vector.map(f32x8::from), &fields.rotations[object]);
     match fields.own_kind {
         OwnKind::Blocked => Own::Visible(one_less(&vector)),
         OwnKind::Transfer => Own::Transfer(vector, f32x8::from(found).simd_gt(f32x8::ZERO)),
@@ -207,17 +244,17 @@ fn turned<const N: usize>(vector: &ShBatch<N>, rotation: &[f32]) -> ShBatch<N> {
     turned
 }
 
-/// S_j of a light of radiance 1: its cap.
-fn cap<const N: usize>(fields: &ShFields, light: &LocalLight, position: &[f32x8; 3]) -> ShBatch<N> {
-    let offset: [f32x8; 3] = std::array::from_fn(|axis| f32x8::splat(light.center[axis]) - position[axis]);
-    let squared = offset[0].mul_add(offset[0], offset[1].mul_add(offset[1], offset[2] * offset[2]));
-    let squared = squared.fast_max(f32x8::splat(f32::MIN_POSITIVE));
+/// S_j of a light of radiance 1: its cap, or all around.
+fn cap<const N: usize>(fields: &ShFields, light: &LocalLight, seen: &LightSeen) -> ShBatch<N> {
+    let squared = seen.distance_squared.fast_max(f32x8::splat(f32::MIN_POSITIVE));
     let inverse = f32x8::ONE / squared.sqrt();
-    let direction = offset.map(|axis| axis * inverse);
-    // Within the light it is everywhere it can be: the table ends at a right angle.
+    let direction = seen.offset.map(|axis| axis * inverse);
     let sine_squared = (f32x8::splat(light.radius * light.radius) / squared).fast_min(f32x8::ONE);
     let scale = fields.table.lookup::<N>(sine_squared);
     let mut minus_cap = [f32x8::ZERO; N];
     kernel::accumulate_lobe(direction, &scale, &mut minus_cap);
-    minus_cap.map(|value| -value)
+    std::array::from_fn(|i| {
+        let all = if i == 0 { f32x8::splat(FULL) } else { f32x8::ZERO };
+        seen.is_around.select(all, -minus_cap[i])
+    })
 }
