@@ -1,4 +1,5 @@
-//! What must not matter, for every strategy and every kind of light: which number a receiver has, whether light comes from a lamp around everything or from afar, and who else is there.
+//! What must not matter, for every strategy and every kind of light: which number a receiver has, whether
+//! light comes from a lamp around everything or from afar, and who else is there.
 
 mod crowds;
 mod lamps_around;

@@ -2,7 +2,7 @@
 
 use super::scenes::{Variant, apart, at, lamp, lights, models, shade, shiny, some_vertices, still_life, variants};
 use glam::Vec3;
-use halfshade_scene::{Environment, Motion, RadianceBuffer, ReceiverBuffer, Scene, Texture};
+use halfshade_scene::{Environment, Motion, RadianceBuffer, Scene, Texture};
 use halfshade_strategy::Effect;
 use std::sync::Arc;
 
