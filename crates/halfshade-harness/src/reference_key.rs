@@ -184,9 +184,11 @@ mod tests {
         Parts { scene, receivers, options: Options::default(), change: |_| () }
     }
 
+    type Change = fn(&mut Parts);
+
     #[test]
     fn a_change_of_any_one_field_is_another_key() {
-        let changes: &[(&str, fn(&mut Parts))] = &[
+        let changes: &[(&str, Change)] = &[
             ("geometry", |p| p.options.geometry = Geometry::Spheres(AdjustRule::Continuous)),
             ("rule", |p| p.options.geometry = Geometry::Spheres(AdjustRule::Covering)),
             ("transport", |p| p.options.transport = Transport::Unshadowed),

@@ -16,9 +16,16 @@ use std::{
 /// Where a run begins.
 pub(crate) enum Beginning {
     /// There is something to do.
-    Open(OutFolder, Journal, Known),
+    Open(Box<Open>),
     /// All is done.
     Finished(Box<Results>),
+}
+
+/// What a run has that is to be done.
+pub(crate) struct Open {
+    pub(crate) folder: OutFolder,
+    pub(crate) journal: Journal,
+    pub(crate) known: Known,
 }
 
 /// What the journal knows already.
@@ -46,7 +53,7 @@ impl Beginning {
             && let Some((journal, entries)) = Journal::resume(&path, header)?
         {
             let known = Known::of(entries, &folder);
-            return Ok(Self::Open(folder, journal, known));
+            return Ok(Self::Open(Box::new(Open { folder, journal, known })));
         }
         if resume && folder.holds(Path::new("results.json")) {
             let path = out.join("results.json");
@@ -75,7 +82,7 @@ impl Beginning {
             }
         }
         let journal = Journal::create(&path, header)?;
-        Ok(Self::Open(folder, journal, Known::default()))
+        Ok(Self::Open(Box::new(Open { folder, journal, known: Known::default() })))
     }
 }
 

@@ -105,7 +105,7 @@ pub fn run(experiment: &Experiment, tools: &Tools<'_>, options: &RunOptions) -> 
         None => (None, Known::default()),
         Some(out) => match Beginning::of(out, &plan.outputs(), &header, options.resume, tools.progress)? {
             Beginning::Finished(results) => return Ok(*results),
-            Beginning::Open(folder, journal, known) => (Some((folder, journal)), known),
+            Beginning::Open(open) => (Some((open.folder, open.journal)), open.known),
         },
     };
     let truth_cache = place.as_ref().map_or_else(Cache::disabled, |(folder, _)| folder.truths());

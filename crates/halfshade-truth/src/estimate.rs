@@ -262,7 +262,7 @@ impl Parts {
         let floor = self.floor_squared.map(f64::sqrt);
         std::array::from_fn(|draw| {
             let row = draw + 1;
-            let sign = |replicate: usize| if (row & replicate).count_ones() % 2 == 0 { 1.0 } else { -1.0 };
+            let sign = |replicate: usize| if (row & replicate).count_ones().is_multiple_of(2) { 1.0 } else { -1.0 };
             let contrast: DVec3 = self.replicates.iter().enumerate().map(|(number, value)| sign(number) * *value).sum();
             contrast / REPLICATES as f64 + if draw % 2 == 0 { floor } else { -floor }
         })
