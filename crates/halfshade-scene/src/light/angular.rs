@@ -30,9 +30,10 @@ pub(super) fn from_angular(image: &Image, forward: f32) -> Option<EnvironmentMap
                 let y = edge(row) + (edge(row + 1) - edge(row)) * share(down);
                 let horizontal = (1.0 - y * y).max(0.0).sqrt();
                 let direction = Vec3::new(horizontal * azimuth.sin(), y, -horizontal * azimuth.cos());
-                sum += texel_toward(image, direction);
+                // Divided before they are added up, so that no sum of finite ones is infinite.
+                sum += texel_toward(image, direction) / (SAMPLES_PER_AXIS * SAMPLES_PER_AXIS) as f32;
             }
-            texels.push(sum / (SAMPLES_PER_AXIS * SAMPLES_PER_AXIS) as f32);
+            texels.push(sum);
         }
     }
     EnvironmentMap::new(width, height, texels)
@@ -76,6 +77,12 @@ mod tests {
             if disc.length() <= 1.0 { radiance(around.extend(-angle.cos())) } else { Vec3::splat(1e9) }
         };
         Image { width: n, height: n, texels: (0..n * n).map(texel).collect() }
+    }
+
+    #[test]
+    fn the_largest_radiance_stays_finite() {
+        let map = from_angular(&painted(4, |_| Vec3::splat(f32::MAX)), 0.3).unwrap();
+        assert!(map.texels().iter().all(|texel| *texel == Vec3::splat(f32::MAX)), "{:?}", map.texels());
     }
 
     #[test]

@@ -114,6 +114,8 @@ fn images_come_from_data_uris_and_files_and_wrong_ones_are_named() {
     assert!(error(r#""uri":"data:image/png;base64,*""#, "", &[]).contains("data URI"));
     assert!(error(EMBEDDED, "", &red_and_blue()[..40]).contains("image 0"));
     assert!(error(r#""bufferView":3,"mimeType":"image/webp""#, "", b"RIFF").contains("PNG"));
+    assert!(error(r#""bufferView":3"#, "", &red_and_blue()).contains("doesn't say as what"));
+    assert!(error(r#""name":"x""#, "", &red_and_blue()).contains("neither a file nor"));
     assert!(error(EMBEDDED, r#","texCoord":1"#, &red_and_blue()).contains("TEXCOORD_1"));
 }
 

@@ -94,7 +94,8 @@ impl<'a> Textures<'a> {
     /// The image of a texture: its own, else the one that an extension names.
     fn image(&self, texture: &::gltf::Texture<'_>) -> Result<Image<'a>, SceneError> {
         if let Some(image) = texture.source() {
-            return self.document.images().nth(image.index()).ok_or_else(|| nowhere(texture.index(), image.index()));
+            let found = self.document.images().nth(image.index());
+            return found.ok_or_else(|| nowhere(texture.index(), image.index())).and_then(|image| self.sourced(image));
         }
         let sources = texture.extensions().into_iter().flatten();
         let named = sources.filter_map(|(name, value)| Some((name, value.get("source")?.as_u64()?))).next();
@@ -103,9 +104,29 @@ impl<'a> Textures<'a> {
                 .with_remedy("export again with PNG or JPEG textures"));
         };
         let image = usize::try_from(number).ok().and_then(|number| self.document.images().nth(number));
-        image.ok_or_else(|| {
-            SceneError::new(format!("texture {} names image {number} by {name}, but there is none", texture.index()))
-        })
+        image
+            .ok_or_else(|| {
+                SceneError::new(format!(
+                    "texture {} names image {number} by {name}, but there is none",
+                    texture.index()
+                ))
+            })
+            .and_then(|image| self.sourced(image))
+    }
+
+    /// The image, unless it doesn't say where its data are: asked for its source, the parser would panic.
+    fn sourced(&self, image: Image<'a>) -> Result<Image<'a>, SceneError> {
+        let number = image.index();
+        let Some(raw) = self.document.as_json().images.get(number) else { return Ok(image) };
+        match (&raw.buffer_view, &raw.uri) {
+            (None, None) => Err(SceneError::new(format!("image {number} names neither a file nor a view of a buffer"))
+                .with_remedy("export again, or give it a `uri`")),
+            (Some(_), _) if raw.mime_type.is_none() => {
+                Err(SceneError::new(format!("image {number} lies in a buffer, but doesn't say as what"))
+                    .with_remedy("add `\"mimeType\": \"image/png\"` or `\"image/jpeg\"` to it"))
+            }
+            _ => Ok(image),
+        }
     }
 }
 
