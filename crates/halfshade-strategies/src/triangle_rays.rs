@@ -14,6 +14,9 @@ use std::{sync::Arc, time::Duration};
 /// the size: here that is 1e-13 of the half extent.
 const HALF_EXTENT: f64 = (1_u64 << 30) as f64;
 
+/// What obvhs takes for the start of a ray: a box that ends before is not entered, so boxes are that much larger.
+const NEAREST: f32 = 1e-4;
+
 /// How far a coordinate may be off the surface that it stands for, as a part of itself: rounding of the point, and of the
 /// ray's origin, with room.
 pub(crate) const ROUNDING: f32 = 4.0 * f32::EPSILON;
@@ -22,7 +25,11 @@ pub(crate) const ROUNDING: f32 = 4.0 * f32::EPSILON;
 const LEAST_ROUNDING: f32 = (HALF_EXTENT / (1_u64 << 46) as f64) as f32;
 
 /// How far behind its origin a ray meets what faces it, in lengths of its slack.
-const REACH_BEHIND: f64 = 4.0;
+const REACH_BEHIND: f32 = 4.0;
+
+/// How much rounding may change the volume that a ray spans with an edge, as a part of the product of the edge's length and
+/// its distance, with room.
+const VOLUME_ROUNDING: f32 = 16.0 * f32::EPSILON;
 
 /// The hierarchy over primitives, of which there may be none.
 pub(crate) fn hierarchy<T: Boundable>(primitives: &[T]) -> CwBvh {
@@ -110,18 +117,39 @@ impl Boundable for PaddedBox {
 }
 
 impl Triangle {
-    /// The distance to where a ray from `origin` along `direction` crosses the triangle; infinite if it doesn't. Starting
-    /// within `slack` along each axis of the triangle it meets what faces it though that be behind its origin, and doesn't meet
-    /// what faces away.
+    /// Whether the line of a ray passes through the triangle: the volumes that it spans with the edges have one sign. Signs
+    /// that single precision leaves in doubt, as near the corners of a large ground, are found in double precision.
     #[inline(always)]
-    fn distance(&self, origin: Vec3A, direction: Vec3A, slack: Vec3A) -> f32 {
-        // The volumes that the ray spans with the edges have one sign.
+    fn is_crossed(&self, origin: Vec3A, direction: Vec3A) -> bool {
         let [a, b, c] = self.0.map(|corner| corner - origin);
         let (ab, ac, across) = (b - a, c - a, direction.cross(a));
         let whole = ab.cross(ac).dot(direction);
         let (v, w) = (-across.dot(ac), across.dot(ab));
-        let (v, w, whole) = if whole < 0.0 { (-v, -w, -whole) } else { (v, w, whole) };
-        if !(v >= 0.0 && w >= 0.0 && v + w <= whole) {
+        let least = v.min(w).min(whole - v - w);
+        let greatest = v.max(w).max(whole - v - w);
+        let reach = a.abs().max(b.abs()).max(c.abs()).max_element();
+        let doubt = VOLUME_ROUNDING * reach * ab.abs().max(ac.abs()).max_element();
+        if least < -doubt && greatest > doubt {
+            return false;
+        }
+        least > doubt || greatest < -doubt || self.is_crossed_exactly(origin, direction)
+    }
+
+    /// [`Self::is_crossed`] in double precision.
+    #[cold]
+    fn is_crossed_exactly(&self, origin: Vec3A, direction: Vec3A) -> bool {
+        let (origin, direction) = (origin.as_dvec3(), direction.as_dvec3());
+        let [a, b, c] = self.0.map(|corner| corner.as_dvec3() - origin);
+        let volumes = [b.cross(c), c.cross(a), a.cross(b)].map(|normal| normal.dot(direction));
+        volumes.iter().all(|volume| *volume >= 0.0) || volumes.iter().all(|volume| *volume <= 0.0)
+    }
+
+    /// The distance to where a ray from `origin` along `direction` crosses the triangle; infinite if it doesn't. Starting
+    /// within `slack` along each axis of the triangle it meets what faces it though that be behind its origin, by at most
+    /// `reach`, and doesn't meet what faces away.
+    #[inline(always)]
+    fn distance(&self, origin: Vec3A, direction: Vec3A, slack: Vec3A, reach: f32) -> f32 {
+        if !self.is_crossed(origin, direction) {
             return f32::INFINITY;
         }
         // The distance to a large plane close by is the difference of large numbers.
@@ -129,12 +157,8 @@ impl Triangle {
         let normal = (b - a).cross(c - a);
         let (ahead, facing) = (normal.dot(a - origin.as_dvec3()), normal.dot(direction.as_dvec3()));
         let off = normal.abs().dot(slack.as_dvec3());
-        let is_met = if facing > 0.0 {
-            ahead > off
-        } else {
-            // What a ray along a curved surface met farther behind it may have left again.
-            facing < 0.0 && ahead < off && ahead < -facing * REACH_BEHIND * f64::from(slack.max_element())
-        };
+        let is_met =
+            if facing > 0.0 { ahead > off } else { facing < 0.0 && ahead < off && ahead < -facing * f64::from(reach) };
         if is_met { (ahead / facing) as f32 } else { f32::INFINITY }
     }
 
@@ -174,7 +198,7 @@ impl TriangleRays {
         let placed = |corners: &[Vec3; 3]| Triangle(corners.map(|point| space.place(point.as_dvec3())));
         let padded = |corners: &[Vec3; 3]| {
             let farthest = corners.iter().fold(Vec3::ZERO, |farthest, corner| farthest.max(corner.abs()));
-            let padding = Vec3A::from(2.0 * (ROUNDING * space.length(1.0) * farthest + LEAST_ROUNDING));
+            let padding = Vec3A::from(2.0 * (ROUNDING * space.length(1.0) * farthest + LEAST_ROUNDING + NEAREST));
             let tight = Aabb::from_points(&placed(corners).0);
             PaddedBox(Aabb::new(tight.min - padding, tight.max + padding))
         };
@@ -196,9 +220,14 @@ impl TriangleRays {
         }
         let mut slack = start.rounding * self.space.length(1.0);
         let mut origin = self.space.place(start.position.as_dvec3());
+        // What a ray along a curved surface met farther behind it may have left again.
+        let mut reach = REACH_BEHIND * slack.max_element();
         if start.normal != Vec3::ZERO {
             slack += LEAST_ROUNDING;
-            origin += Vec3A::from(2.0 * start.normal.abs().dot(slack) * start.normal);
+            let off = start.normal.abs().dot(slack);
+            origin += Vec3A::from(2.0 * off * start.normal);
+            // Farther behind, the ray may lie below the surface that it starts on.
+            reach = (REACH_BEHIND * slack.max_element()).min(off / direction.dot(start.normal).max(f32::MIN_POSITIVE));
         }
         let limit = self.space.length(f64::from(distance));
         if !origin.is_finite() || !direction.is_finite() || limit.is_nan() {
@@ -207,7 +236,7 @@ impl TriangleRays {
         // -0.0 would make the hierarchy miss everything.
         let (direction, slack) = (Vec3A::from(direction) + 0.0, Vec3A::from(slack));
         let ray = Ray::new(origin, direction, 0.0, limit);
-        let met = |slot: usize| self.triangles[slot].distance(origin, direction, slack);
+        let met = |slot: usize| self.triangles[slot].distance(origin, direction, slack, reach);
         if self.holes.is_empty() {
             return !self.hierarchy.ray_traverse_miss(ray, |_, slot| met(slot));
         }

@@ -312,8 +312,9 @@ mod tests {
         };
         let (mut inside, mut checked) = (0, 0);
         for number in 0..400 {
-            let light = vector(50.0);
-            let square = Square::new(light.as_vec3().to_array(), [1.0, 10.0, 30.0, 49.0][number % 4]).unwrap();
+            // Far away, so that no sphere lies behind where the light begins.
+            let light = vector(1.0);
+            let square = Square::far(light.as_vec3().to_array(), [0.02, 0.2, 0.6, 0.98][number % 4]).unwrap();
             let offset = vector(2.0);
             let radius = [0.2f32, 1.0, 1.9, 1.999][number / 4 % 4];
             let ([x, y, r], _) = splat_one(&square, offset, radius);
