@@ -4,11 +4,12 @@ use crate::{
     parameters::Subject,
     random::Random,
     receivers::{self, Place, Places, described},
+    ringing,
     scene::Drawn,
-    tolerances,
+    tolerances::{self, WELL_CONDITIONED},
 };
 use glam::{DVec3, Quat, Vec3};
-use halfshade_scene::{Pose, RadianceBuffer, ReceiverBuffer, progress::Silent};
+use halfshade_scene::{Pose, RadianceBuffer, ReceiverBuffer, Receivers, progress::Silent};
 use halfshade_strategy::{Baked, StrategyError};
 
 /// One property that doesn't hold.
@@ -17,9 +18,6 @@ pub(crate) struct Failure {
     pub(crate) property: &'static str,
     pub(crate) message: String,
 }
-
-/// Rounding of coordinates up to which a scene and the same scene moved, turned or scaled are the same.
-const WELL_CONDITIONED: f32 = 1e-5;
 
 /// Radiances between which products of light with anything stay normal numbers.
 const NORMAL_RADIANCE: [f32; 2] = [1e-28, 1e28];
@@ -71,7 +69,9 @@ pub(crate) struct Check<'a> {
 struct Known {
     receivers: [ReceiverBuffer; 2],
     found: Vec<RadianceBuffer>,
-    /// Per receiver: its own unshadowed radiance or the mean, whichever is larger.
+    /// Per receiver: how far it may ring.
+    room: Option<[Vec<Vec3>; 2]>,
+    /// Per receiver: its own unshadowed radiance, the mean, or how far it may ring, whichever is largest.
     levels: [Vec<f32>; 2],
 }
 
@@ -90,8 +90,16 @@ impl Check<'_> {
             Ok(found) => found?,
             Err(failure) => return Some(vec![failure]),
         };
-        let levels = self.levels(&receivers, &found);
-        let known = Known { receivers, found, levels };
+        let frame = self.drawn.frame(Quat::IDENTITY);
+        let room = tolerances::of(self.subject, self.drawn).rings.map(|bands| {
+            let room = |receivers: Receivers<'_>, i| ringing::room(&frame, bands, receivers, i);
+            receivers.each_ref().map(|of| (0..of.len()).map(|i| room(of.view(), i)).collect::<Vec<_>>())
+        });
+        let mut levels = self.levels(&receivers, &found);
+        for (level, room) in levels.iter_mut().zip(room.iter().flatten()) {
+            level.iter_mut().zip(room).for_each(|(level, room)| *level = level.max(room.max_element()));
+        }
+        let known = Known { receivers, found, room, levels };
         let mut note = |outcome: Result<(), Failure>| failures.extend(outcome.err());
         let finite = self.finite(&known);
         let is_finite = finite.is_ok();
@@ -147,14 +155,22 @@ impl Check<'_> {
         if self.drawn.scene.bounces > 0 {
             return Ok(());
         }
+        let Some(open) = shaded(self.subject, &self.drawn.open(), &known.receivers)? else {
+            return Ok(());
+        };
+        // What rings, rings about a part of the unshadowed, which isn't all positive itself.
+        let bounds = |batch: usize, i: usize| match &known.room {
+            Some(room) => {
+                let (open, room) = (open[batch].at(i), room[batch][i]);
+                [open.min(Vec3::ZERO) - room, open.max(Vec3::ZERO) + room]
+            }
+            None => [Vec3::ZERO, open[batch].at(i)],
+        };
         if let Ok(below) = tolerances.below {
-            self.each(known, "not below zero", below, |batch, i| -known.found[batch].at(i))?;
+            self.each(known, "not below zero", below, |batch, i| bounds(batch, i)[0] - known.found[batch].at(i))?;
         }
         if let Ok(above) = tolerances.above {
-            let Some(open) = shaded(self.subject, &self.drawn.open(), &known.receivers)? else {
-                return Ok(());
-            };
-            self.each(known, "not above unshadowed", above, |batch, i| known.found[batch].at(i) - open[batch].at(i))?;
+            self.each(known, "not above unshadowed", above, |batch, i| known.found[batch].at(i) - bounds(batch, i)[1])?;
         }
         Ok(())
     }
@@ -168,7 +184,8 @@ impl Check<'_> {
         pose: Pose,
     ) -> Result<(), Failure> {
         let tolerances = tolerances::of(self.subject, self.drawn);
-        let is_exact = pose == scaling(pose.scale);
+        // Scales between keys are powers, which are rounded.
+        let is_exact = pose == scaling(pose.scale) && self.drawn.is_still();
         let moved = self.drawn.moved(&pose);
         // In what touches, the last digit decides who hides what; and so it does where digits are few.
         let rounding = self.drawn.rounding().max(moved.rounding());

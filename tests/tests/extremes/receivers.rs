@@ -47,7 +47,7 @@ pub(crate) fn place(drawn: &Drawn, random: &mut Random) -> Option<Place> {
     let object = *solid.get(random.below(solid.len()))?;
     let triangle = random.below(objects[object].mesh.triangles.len());
     let mut corner = || f64::from(random.between(0.0, 1.0));
-    let weights = DVec3::new(corner(), corner(), if triangle % 2 == 0 { 0.0 } else { corner() }) + 1e-6;
+    let weights = DVec3::new(corner(), corner(), if triangle.is_multiple_of(2) { 0.0 } else { corner() }) + 1e-6;
     Some(Place { object, triangle, weights: weights / weights.element_sum() })
 }
 

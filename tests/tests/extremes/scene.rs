@@ -54,10 +54,15 @@ impl Drawn {
     /// The same scene with objects, lamps and camera moved by `pose`; its environment stays, see [`Self::frame`].
     pub(crate) fn moved(&self, pose: &Pose) -> Self {
         let mut moved = self.clone();
+        // A rotation is normalized, which rounds it anew.
+        let one_then = |inner: &Pose| match pose.rotation == Quat::IDENTITY {
+            true => Pose { rotation: inner.rotation, ..inner.then(pose) },
+            false => inner.then(pose),
+        };
         let then = |motion: &Motion| match motion {
-            Motion::Still(inner) => Motion::Still(inner.then(pose)),
+            Motion::Still(inner) => Motion::Still(one_then(inner)),
             Motion::Keyframes(keys) => {
-                Motion::Keyframes(keys.iter().map(|(time, inner)| (*time, inner.then(pose))).collect())
+                Motion::Keyframes(keys.iter().map(|(time, inner)| (*time, one_then(inner))).collect())
             }
         };
         moved.scene.objects.iter_mut().for_each(|object| object.motion = then(&object.motion));
@@ -67,6 +72,13 @@ impl Drawn {
         moved.middle = pose.transform_point(self.middle);
         (moved.feature, moved.extent) = (pose.scale * self.feature, pose.scale * self.extent);
         moved
+    }
+
+    /// Whether nothing moves.
+    pub(crate) fn is_still(&self) -> bool {
+        let mut motions =
+            self.scene.objects.iter().map(|object| &object.motion).chain(self.scene.lights.iter().map(|(_, m)| m));
+        motions.all(|motion| matches!(motion, Motion::Still(_)))
     }
 
     /// The frame that is looked at, its environment turned by `turn`.

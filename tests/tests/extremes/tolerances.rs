@@ -11,6 +11,8 @@ pub(crate) struct Tolerances {
     pub(crate) below: Allowed,
     /// Radiance above what is there without any blocker.
     pub(crate) above: Allowed,
+    /// Bands of what rings about both, see `ringing`.
+    pub(crate) rings: Option<f32>,
     /// Under a scale of a power of two, which rounds nothing.
     pub(crate) scaled: Allowed,
     /// Under any other scale, moved and turned.
@@ -30,9 +32,9 @@ pub(crate) fn of(subject: &Subject<'_>, drawn: &Drawn) -> Tolerances {
     let p = &subject.params;
     match subject.name {
         "unshadowed" => unshadowed(p),
-        "ray-traced" => ray_traced(),
+        "ray-traced" => ray_traced(drawn),
         "sh-exp" => sh_exp(p, drawn),
-        "shadow-field" => shadow_field(p),
+        "shadow-field" => shadow_field(p, drawn),
         "cosine-lobe" => cosine_lobe(p),
         other => panic!("what `{other}` promises isn't known here"),
     }
@@ -41,8 +43,22 @@ pub(crate) fn of(subject: &Subject<'_>, drawn: &Drawn) -> Tolerances {
 /// Scaling and lighting by powers of two changes no digit of the arithmetic; what is left are logarithms and roots.
 const EXACT: Allowed = Ok(1e-4);
 
-/// A table over normals with so many cells from its centre to a side: 0.005 of the mean at 32 cells, as the square of a cell's
-/// width. It doesn't turn with the scene.
+/// Rounding of coordinates up to which a scene and the same scene moved, turned or scaled are the same.
+pub(crate) const WELL_CONDITIONED: f32 = 1e-5;
+
+const RAYS: &str = "a ray is blocked or not";
+const CENTRES: &str = "the published rule leaves out spheres whose centre is below the horizon";
+const GROUND: &str = "what the ground takes is an affine function of the place, which may take less than nothing";
+
+/// Whether all light is a constant sky, of which SH need one coefficient.
+fn is_constant(drawn: &Drawn) -> bool {
+    let environment = &drawn.scene.environment;
+    let is_constant = environment.sun.is_none() && matches!(environment.base, DistantLight::Constant(_));
+    is_constant && drawn.scene.lights.is_empty()
+}
+
+/// A table over normals with so many cells from its centre to a side: 0.005 of the mean at 32 cells, as the square of a
+/// cell's width. It doesn't turn with the scene.
 fn table(p: &Params) -> f32 {
     (0.005 * (32.0 / p.integer("normals") as f32).powi(2)).clamp(0.005, 1.0)
 }
@@ -51,6 +67,7 @@ fn unshadowed(p: &Params) -> Tolerances {
     Tolerances {
         below: Ok(0.0),
         above: EXACT,
+        rings: None,
         scaled: EXACT,
         turned: Ok(table(p)),
         linear: EXACT,
@@ -59,70 +76,115 @@ fn unshadowed(p: &Params) -> Tolerances {
     }
 }
 
-fn ray_traced() -> Tolerances {
+fn ray_traced(drawn: &Drawn) -> Tolerances {
     Tolerances {
         below: Ok(0.0),
         // The same directions, of which some are blocked.
         above: EXACT,
+        rings: None,
         scaled: EXACT,
         turned: Err("directions are drawn about the normal in a frame that doesn't turn with the scene"),
         linear: EXACT,
-        brightened: EXACT,
-        jump: Err("a ray is blocked or not"),
+        // The space that rays are traced in is about all objects, which one more moves: rays along surfaces may meet them.
+        brightened: if drawn.is_touching || drawn.rounding() > WELL_CONDITIONED { Err(RAYS) } else { Ok(1e-3) },
+        jump: Err(RAYS),
     }
 }
 
 fn sh_exp(p: &Params, drawn: &Drawn) -> Tolerances {
     let bands = p.integer("bands") as f32;
-    let environment = &drawn.scene.environment;
-    let is_constant = environment.sun.is_none() && matches!(environment.base, DistantLight::Constant(_));
     // What a function of so many bands with values in [0, 1] can be, see the strategy: of a direction's light bands² / 4π
     // is left, and light is a sum of directions. Constant light has the cosine's coefficients.
-    let magnitude = if is_constant { bands.min(1.64) } else { bands };
+    let magnitude = if is_constant(drawn) { bands.min(1.64) } else { bands };
     let clamped = p.choice("clamp") == "on";
+    let takes = !clamped && p.choice("ground") == "seen";
     let traced = p.choice("exp") == "traced";
     Tolerances {
-        below: Ok(if clamped { 0.0 } else { magnitude }),
-        above: Ok(if clamped { 1e-4 } else { magnitude - 1.0 + 1e-3 }),
+        below: match () {
+            () if takes => Err(GROUND),
+            () if clamped => Ok(0.0),
+            () => Ok(magnitude),
+        },
+        above: match () {
+            () if takes => Err(GROUND),
+            () if clamped => EXACT,
+            () => Ok(magnitude - 1.0 + 1e-3),
+        },
+        rings: None,
         scaled: EXACT,
-        // Directions of rays don't turn with the scene.
-        turned: Ok(table(p) + if traced { 0.1 } else { 0.0 }),
+        turned: match () {
+            () if p.choice("rule") == "published" => Err(CENTRES),
+            // Directions of rays don't turn with the scene.
+            () => Ok(table(p) + if traced { 0.1 } else { 0.0 }),
+        },
         linear: EXACT,
         brightened: Err("logarithms of few bands ring: a blocker beside a light may brighten it"),
         jump: match () {
-            () if p.choice("rule") == "published" => {
-                Err("the published rule leaves out spheres whose centre is below the horizon")
-            }
+            () if p.choice("rule") == "published" => Err(CENTRES),
             () if p.choice("squaring") == "published" => Err("one squaring more is a step"),
             () if p.choice("levels") != "leaves" => Err("each cluster has its own cut through the hierarchy"),
-            () if traced => Err("a ray is blocked or not"),
+            () if traced => Err(RAYS),
             () => Ok(0.05),
         },
     }
 }
 
-fn shadow_field(_: &Params) -> Tolerances {
+fn shadow_field(p: &Params, drawn: &Drawn) -> Tolerances {
+    let sampling = p.choice("sampling");
+    let is_haar = p.choice("basis") == "haar";
+    let rings = !is_haar && !is_constant(drawn);
+    let are_rays = matches!(sampling, "traced" | "together");
+    // A cosine added up over so many texels along an edge of a map, where it isn't known in closed form.
+    let texels = p.integer("map") as f32;
+    let is_added_up = !is_haar && (p.choice("own") == "projected" || sampling == "together");
+    let added_up = if is_added_up { 0.01 * (8.0 / texels).powi(2) } else { 0.0 };
     Tolerances {
-        below: Ok(1.0),
-        above: Ok(1.0),
+        below: EXACT,
+        above: Ok(1e-3 + added_up),
+        rings: rings.then(|| p.integer("bands") as f32),
         scaled: EXACT,
-        turned: Ok(0.1),
+        turned: if are_rays { Err(RAYS) } else { Ok(0.01) },
         linear: EXACT,
-        brightened: Ok(0.2),
-        jump: Ok(0.1),
+        brightened: match () {
+            // In a space about the middle of all objects, which one more moves.
+            () if are_rays => Err(RAYS),
+            () if rings => Err("a product of few bands rings: a blocker beside a light may brighten it"),
+            () => Ok(1e-3 + added_up),
+        },
+        jump: match () {
+            () if are_rays => Err(RAYS),
+            () if !drawn.scene.lights.is_empty() => Err("an object is before a lamp or behind it, as its middle is"),
+            () => Ok(0.05),
+        },
     }
 }
 
 fn cosine_lobe(p: &Params) -> Tolerances {
     let published = p.choice("order") == "published";
     let shared = p.float("share") > 0.0;
+    let cells = p.choice("leaves") != "fraction";
     Tolerances {
         below: EXACT,
         above: EXACT,
+        rings: None,
         scaled: EXACT,
-        turned: Ok(if published || shared { 0.3 } else { 0.1 }),
+        turned: match () {
+            () if shared => Err("cubes of space don't turn with the scene"),
+            () if cells => Err("the cells before a light don't turn with the scene"),
+            () if p.choice("rule") == "published" => Err(CENTRES),
+            () => Ok(0.1),
+        },
         linear: EXACT,
-        brightened: Ok(if published || shared { 0.3 } else { 0.05 }),
-        jump: Ok(0.05),
+        brightened: match () {
+            () if shared => Err("cubes of space lie about the middle of all objects, which one more moves"),
+            () => Ok(if published { 0.3 } else { 0.05 }),
+        },
+        jump: match () {
+            () if shared => Err("cubes of space end somewhere"),
+            () if cells => Err("a cell is covered or not"),
+            () if p.float("threshold") > 0.001 => Err("a product is left out or not"),
+            () if p.choice("rule") == "published" => Err(CENTRES),
+            () => Ok(0.05),
+        },
     }
 }

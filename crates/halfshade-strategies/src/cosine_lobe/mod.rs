@@ -51,6 +51,9 @@
 //! **Threshold** [Meunier2009, 4.3]. A group of eight products is left out if none of them can reach `threshold` times the
 //! unblocked radiance; each left out changes radiance by less than that. A diffuse lobe isn't tested in the default order.
 //!
+//! **Bounds.** Lobes aren't negative, and what a mask hides is taken from what the unblocked light gives, down to 0 at
+//! most: in every order and setting radiance lies within [0, what is found without blockers].
+//!
 //! **Integration.** `integration=sampled` integrates the same sums of lobes by quadrature (`sampled.rs`), for comparison
 //! only: on `five-blockers` and `glossy-sphere` products differ from it by less than 0.1 % of the mean by default, by 0.1
 //! and 0.3 % as published (the paper's by 3 %), and it takes a hundred times as long. `twice=mask` and so on do a part of

@@ -40,10 +40,10 @@
 //! **Bounds.** The exponential holds V to what a function with values in [0, 1] can be: `0 ≤ V_0 ≤ √4π` and
 //! `|V|² ≤ √4π V_0`. What arrives directly is therefore finite and at most `|L_ρ(n)| √4π` in magnitude; for constant light
 //! that is 1.64 times the unshadowed value. What `ground=seen` takes of it and what spheres and ground reflect are products
-//! with the same V, or differences of such, and come on top. Ringing is reported, not hidden, unless `clamp=on` holds what
-//! arrives directly, less what the ground takes, between 0 and the unshadowed value, and every part that is reflected at 0
-//! or more: with `bounces=0` radiance lies between 0 and unshadowed, with more it isn't below 0. What the method leaves in
-//! practice is in the tests.
+//! with the same V, or differences of such, and come on top; what is taken is affine in the place and may be less than
+//! nothing. Ringing is reported, not hidden, unless `clamp=on` holds what arrives directly, less what the ground takes,
+//! between 0 and the unshadowed value, and every part that is reflected at 0 or more: with `bounces=0` radiance lies
+//! between 0 and unshadowed, with more it isn't below 0. What the method leaves in practice is in the tests.
 //!
 //! **Limits.** Distant light only. Few bands blur shadows: the sun's shadow is as wide as the last band. Products and
 //! exponentials multiply overlapping blockers as if band-limited functions were exact, which leaves dense sets too bright

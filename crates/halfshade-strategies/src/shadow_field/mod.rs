@@ -24,10 +24,11 @@
 //! receiver is all around it, and before it is what has its middle in the light; from outside, nothing is that lies in the light
 //! as a whole.
 //!
-//! **Bounds.** Every product is held to what `U = V ρ` can be for a visibility V in [0, 1] (`sh/reach.rs`), and to no more
-//! than before: under constant light radiance lies within [0, unshadowed] and falls with every further blocker, however
-//! many there are. Under any other light SH ring, by at most its norm times that of ρ. Haar wavelets are held to [0, 1]
-//! texel by texel.
+//! **Bounds.** Every product is held to what `U = V ρ` can be for a visibility V in [0, 1] (`sh/reach.rs`), and to no
+//! more than before: under constant light radiance lies within [0, unshadowed] and falls with every product, however
+//! many there are. Under any other light SH ring about a part of the unshadowed, by at most `√(3/16π)` = 0.24 of the
+//! albedo times the light's norm `√∫L²`, and by `√∫c / 2` of the norm for a glossy lobe c of height 1. Haar wavelets are
+//! held to [0, 1] texel by texel: under any light radiance lies within [0, unshadowed].
 //!
 //! **Beyond the paper.** Shells that neighbours tell go too (`sampling=adaptive-shells`). Three shells within the first, where
 //! the paper says nothing, keep flat objects flat (`inner`). Sample points within a solid are moved out of it (`inside`):

@@ -159,7 +159,6 @@ mod tests {
             assert!((0.0..=before + 1e-6).contains(&part(&unit)));
         }
         assert!(once > 0.3 && once < 0.7);
-        println!("{once} {}", part(&unit));
     }
 
     #[test]
