@@ -2,7 +2,7 @@
 
 use super::scenes::{Variant, apart, at, lamp, lights, models, shade, shiny, some_vertices, still_life, variants};
 use glam::Vec3;
-use halfshade_scene::{Environment, Motion, RadianceBuffer, Scene, Texture};
+use halfshade_scene::{Environment, Motion, RadianceBuffer, ReceiverBuffer, Scene, Texture};
 use halfshade_strategy::Effect;
 use std::sync::Arc;
 
@@ -14,10 +14,50 @@ fn glossy() -> impl Iterator<Item = Variant> {
     exact().filter(|variant| variant.models(Effect::GlossyReflectance) && !variant.settings.contains("own=projected"))
 }
 
+/// Those of one object, or all others.
+fn of_object(receivers: &ReceiverBuffer, radiance: &RadianceBuffer, object: u32, is_it: bool) -> RadianceBuffer {
+    let kept = |values: &Vec<f32>| {
+        let pairs = values.iter().zip(&receivers.object);
+        pairs.filter(|&(_, &number)| (number == object) == is_it).map(|(&value, _)| value).collect()
+    };
+    RadianceBuffer { channels: radiance.channels.each_ref().map(kept) }
+}
+
 fn assert_same(a: &RadianceBuffer, b: &RadianceBuffer, place: &str) {
     let [worst, _] = apart(a, b);
     // Cubes of space are laid about the first light.
     assert!(worst < if place.contains("share=") { 0.2 } else { 1e-3 }, "{place}: {worst}");
+}
+
+/// What shines shines as if all did, and nobody else is changed by it.
+#[test]
+fn one_glossy_object_among_many() {
+    // Under all lights at once.
+    let Some((_, scene)) = lights(Vec3::ONE).pop() else { return };
+    let receivers = some_vertices(&scene, 47);
+    let shines = |is_it: &dyn Fn(usize) -> bool| {
+        let mut scene = scene.clone();
+        scene.objects.iter_mut().enumerate().filter(|(number, _)| is_it(*number)).for_each(|(_, object)| shiny(object));
+        scene
+    };
+    let (none, all) = (shines(&|_| false), shines(&|_| true));
+    for variant in glossy().filter(|variant| models(variant, &scene)) {
+        let mut baked = variant.baked(&all);
+        let mut shade_in = |scene: &Scene| {
+            baked.prepare(&scene.frame(0)).unwrap();
+            shade(baked.as_ref(), &receivers)
+        };
+        let [none, all] = [&none, &all].map(&mut shade_in);
+        for number in 0..scene.objects.len() {
+            let place = format!("{}, object {number}", variant.name());
+            let one = shade_in(&shines(&|other| other == number));
+            let part = |radiance, is_it| of_object(&receivers, radiance, number as u32, is_it);
+            assert_same(&part(&one, true), &part(&all, true), &place);
+            assert_same(&part(&one, false), &part(&none, false), &place);
+            // It does shine.
+            assert!(apart(&part(&one, true), &part(&none, true))[0] > 1e-3, "{place}");
+        }
+    }
 }
 
 #[test]
@@ -53,6 +93,31 @@ fn one_coloured_lamp_among_grey_ones() {
                 }
             }
             assert_same(&together, &sum, &format!("{}, shiny {is_shiny}", variant.name()));
+        }
+    }
+}
+
+/// The channel of light that only it has is that of white light.
+#[test]
+fn one_lit_channel() {
+    let variants: Vec<_> = exact().collect();
+    // The one that counts most, and the one that counts least.
+    let lit = [1, 2].map(|channel| (channel, lights(Vec3::AXES[channel])));
+    for (number, (light, white)) in lights(Vec3::ONE).iter().enumerate() {
+        let receivers = some_vertices(white, 197);
+        for variant in variants.iter().filter(|variant| models(variant, white)) {
+            let white = variant.shade_lit(white, &receivers);
+            for (channel, only) in &lit {
+                let only = variant.shade_lit(&only[number].1, &receivers);
+                let place = format!("{} under {light}, channel {channel}", variant.name());
+                let pick = |radiance: &RadianceBuffer| RadianceBuffer {
+                    channels: std::array::from_fn(|_| radiance.channels[*channel].clone()),
+                };
+                // Lobes of a map are fitted to all channels together.
+                let [worst, _] = apart(&pick(&only), &pick(&white));
+                assert!(worst < 1e-2, "{place}: {worst}");
+                assert!((0..3).all(|c| c == *channel || only.channels[c].iter().all(|&x| x == 0.0)), "{place}");
+            }
         }
     }
 }

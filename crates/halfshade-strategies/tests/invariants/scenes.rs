@@ -133,7 +133,7 @@ pub(super) fn lamp(center: Vec3, radius: f32, radiance: Vec3) -> (SphereLight, M
 fn map(strength: Vec3) -> Environment {
     let texels = (0..32 * 16).map(|i| {
         let (u, v) = ((i % 32) as f32 / 32.0, (i / 32) as f32 / 16.0);
-        strength * (0.2 + (1.0 - v) * (6.28 * u).sin().powi(2) + if i == 100 { 40.0 } else { 0.0 })
+        strength * (0.2 + (1.0 - v) * (std::f32::consts::TAU * u).sin().powi(2) + if i == 100 { 40.0 } else { 0.0 })
     });
     let map = EnvironmentMap::new(32, 16, texels.collect()).unwrap();
     Environment { base: DistantLight::Map(Arc::new(map)), sun: None }

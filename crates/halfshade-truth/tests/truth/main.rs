@@ -7,5 +7,6 @@ mod estimator;
 mod gloss;
 mod ground_scale;
 mod hiders;
+mod one_alone;
 mod scenes;
 mod self_shadowing;
