@@ -149,7 +149,7 @@ fn mistakes_in_experiments_name_the_line_and_leave_nothing_behind() {
         let error = refused(halfshade(here.path()).args(["run", "bad.toml"]));
         assert!(error.contains(expected), "{to}: {error}");
     }
-    assert!(refused(halfshade(here.path()).args(["run", "none.toml"])).contains("none.toml: cannot read"));
+    assert!(refused(halfshade(here.path()).args(["run", "none.toml"])).contains("none.toml: cannot be read"));
     assert_eq!(names(here.path()), ["bad.toml"]);
 }
 

@@ -4,7 +4,7 @@ use super::primaries::Primaries;
 use super::rgbe::Scanlines;
 use super::{Decoded, Image, check_size};
 use crate::SceneError;
-use glam::{DVec2, Vec3};
+use glam::Vec3;
 
 /// What the header says.
 struct Header {
@@ -92,12 +92,7 @@ impl Header {
                 },
                 "EXPOSURE" => exposure *= numbers::<1>("EXPOSURE", value)?[0],
                 "COLORCORR" => correction *= Vec3::from(numbers("COLORCORR", value)?),
-                "PRIMARIES" => {
-                    let c: [f32; 8] = numbers("PRIMARIES", value)?;
-                    // By their decimal digits, since they are compared with others of so many.
-                    let c = c.map(|x| x.to_string().parse().unwrap_or(f64::NAN));
-                    rgb = Primaries(std::array::from_fn(|k| DVec2::new(c[2 * k], c[2 * k + 1])));
-                }
+                "PRIMARIES" => rgb = Primaries::read(numbers("PRIMARIES", value)?),
                 "GAMMA" if numbers::<1>("GAMMA", value)? != [1.0] => {
                     return Err(SceneError::new(format!("GAMMA={value}: its values are not linear"))
                         .with_remedy("undo the gamma, or remove the line if they are"));
@@ -194,7 +189,7 @@ mod tests {
             ("EXPOSURE=two", "expected a number"),
             ("COLORCORR=1 2", "expected 3 numbers"),
             ("PRIMARIES=1 2 3", "expected 8 numbers"),
-            ("PRIMARIES=0 0 0 0 0 0 0 0", "span no colours"),
+            ("PRIMARIES=0.3 0.6 0.3 0.6 0 0 0 0", "span no colours"),
             ("GAMMA=2.2", "not linear"),
             ("FORMAT=32-bit_rle_cmyk", "32-bit_rle_cmyk"),
         ] {
@@ -240,6 +235,7 @@ mod tests {
     fn xyz_and_other_primaries_are_told() {
         let with = |header: &str| decode(&picture(header, "-Y 2 +X 3", 6)).unwrap().to_rec709;
         assert_eq!(with("#?RADIANCE\nPRIMARIES=0.64 0.33 0.3 0.6 0.15 0.06 0.3127 0.329"), None);
+        assert_eq!(with("#?RADIANCE\nPRIMARIES=0 0 0 0 0 0 0 0"), None);
         let xyz = with("#?RADIANCE\nPRIMARIES=.64 .33 .3 .6 .15 .06 .3127 .329\nFORMAT=32-bit_rle_xyze").unwrap();
         assert_eq!(xyz, Primaries::XYZ.to_rec709().unwrap().unwrap());
         assert!(with("#?RADIANCE\nPRIMARIES=0.7347 0.2653 0 1 0.0001 -0.077 0.32168 0.33767").is_some());

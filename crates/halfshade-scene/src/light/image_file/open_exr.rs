@@ -16,7 +16,7 @@ use exr::meta::attribute::{ChannelDescription, Chromaticities, SampleType};
 use exr::meta::header::Header;
 use exr::meta::{BlockDescription, MetaData};
 use exr::prelude::f16;
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec3, Vec3};
 use std::collections::BTreeSet;
 use std::io::Cursor;
 
@@ -189,9 +189,7 @@ fn from_chroma(texels: &mut [Vec3], weights: DVec3) {
 
 fn primaries_of(chromaticities: Chromaticities) -> Primaries {
     let Chromaticities { red, green, blue, white } = chromaticities;
-    // By their decimal digits, since they are compared with others of so many.
-    let digits = |x: f32| x.to_string().parse().unwrap_or(f64::NAN);
-    Primaries([red, green, blue, white].map(|c| DVec2::new(digits(c.x()), digits(c.y()))))
+    Primaries::read([red.x(), red.y(), green.x(), green.y(), blue.x(), blue.y(), white.x(), white.y()])
 }
 
 fn wrong(error: Error) -> SceneError {

@@ -24,6 +24,16 @@ impl Primaries {
     /// CIE XYZ, whose white is of equal energy.
     pub(super) const XYZ: Self = Self([DVec2::X, DVec2::Y, DVec2::ZERO, DVec2::splat(1.0 / 3.0)]);
 
+    /// Those of a file, x and y of red, green, blue and white, by their decimal digits, since they are compared with others
+    /// of so many. Nothing but zeros is what programs write that know of none: Rec. 709.
+    pub(super) fn read(numbers: [f32; 8]) -> Self {
+        if numbers == [0.0; 8] {
+            return Self::REC709;
+        }
+        let digits = numbers.map(|x| x.to_string().parse().unwrap_or(f64::NAN));
+        Self(std::array::from_fn(|k| DVec2::new(digits[2 * k], digits[2 * k + 1])))
+    }
+
     /// XYZ by linear RGB: columns (x, y, 1 − x − y) of the primaries, each scaled so that (1, 1, 1) is the white at
     /// luminance 1.
     fn to_xyz(self) -> Option<DMat3> {
@@ -110,6 +120,12 @@ mod tests {
         }
         assert_eq!(Primaries::REC709.to_rec709().unwrap(), None);
         assert_eq!(primaries([0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.31271, 0.32902]).to_rec709().unwrap(), None);
+    }
+
+    #[test]
+    fn zeros_stand_for_none() {
+        assert_eq!(Primaries::read([0.0; 8]), Primaries::REC709);
+        assert_eq!(Primaries::read([0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329]), Primaries::REC709);
     }
 
     #[test]
