@@ -91,6 +91,22 @@ pub enum Entry {
     },
 }
 
+impl Entry {
+    /// The first figure that is not finite, by its place: JSON has no word for it.
+    fn not_finite(&self) -> Option<String> {
+        match self {
+            Self::Scored(runs) => runs.iter().find_map(|run| Some(format!("{} of {}", run.not_finite()?, run.key()))),
+            Self::Timed { key, sample } => {
+                (!(sample.prepare_secs + sample.shade_secs).is_finite()).then(|| format!("time of {key}"))
+            }
+            Self::Pictured { files, similarity: Similarity { flip, ssim }, .. } => {
+                let is_finite = [flip, ssim].into_iter().flatten().all(|value| value.is_finite());
+                files.not_finite().or_else(|| (!is_finite).then(|| format!("similarity of {}", files.png)))
+            }
+        }
+    }
+}
+
 /// A journal open for appending.
 #[derive(Debug)]
 pub struct Journal {
@@ -166,7 +182,11 @@ impl Journal {
         }
         let mut entries = Vec::new();
         for (number, line) in lines {
-            entries.push(chain.read(line).map_err(|problem| damaged(number, problem))?);
+            let entry: Entry = chain.read(line).map_err(|problem| damaged(number, problem))?;
+            if let Some(figure) = entry.not_finite() {
+                return Err(damaged(number, format!("{figure} is not finite")));
+            }
+            entries.push(entry);
         }
         let fail = |source| HarnessError::io(path, "write", source);
         let mut file = OpenOptions::new().write(true).open(path).map_err(fail)?;
@@ -176,10 +196,8 @@ impl Journal {
 
     /// Adds one fact.
     pub fn append(&mut self, entry: &Entry) -> Result<(), HarnessError> {
-        if let Entry::Scored(runs) = entry
-            && let Some((run, figure)) = runs.iter().find_map(|run| Some((run, run.not_finite()?)))
-        {
-            return Err(HarnessError::in_file(&self.path, format!("{figure} of {} is not finite", run.key())));
+        if let Some(figure) = entry.not_finite() {
+            return Err(HarnessError::in_file(&self.path, format!("{figure} is not finite")));
         }
         self.append_line(entry)
     }
@@ -306,6 +324,37 @@ mod tests {
         // The first line of an older layout.
         std::fs::write(&path, "{\"schema\":\"halfshade.journal/1\"}\n").unwrap();
         assert!(resume(&path).unwrap_err().contains("another version"));
+    }
+
+    /// A number beyond single precision is read as infinite, and infinity is written as `null`.
+    #[test]
+    fn figures_that_are_not_finite_are_neither_written_nor_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("journal.jsonl");
+        let mut journal = Journal::create(&path, &header()).unwrap();
+        let pictured = |exposure| Entry::Pictured {
+            key: None,
+            files: results::PictureFiles {
+                scene: "vases".into(),
+                frame: 0,
+                label: "truth".into(),
+                exr: "a.exr".into(),
+                png: "a.png".into(),
+                error_png: None,
+                exposure,
+            },
+            similarity: Similarity::default(),
+        };
+        let slow = Entry::Timed { key: "k".into(), sample: Sample { prepare_secs: f64::MAX, shade_secs: f64::MAX } };
+        for (entry, what) in [(pictured(f32::INFINITY), "exposure of a.png"), (slow, "time of k")] {
+            let error = journal.append(&entry).unwrap_err().to_string();
+            assert!(error.contains(what), "{error}");
+        }
+        let json = serde_json::to_string(&pictured(0.375)).unwrap().replace("0.375", "1e300");
+        let line = journal.chain.line(&json);
+        journal.file.write_all(line.as_bytes()).unwrap();
+        let error = resume(&path).unwrap_err();
+        assert!(error.contains("journal.jsonl:2: damaged: exposure of a.png is not finite"), "{error}");
     }
 
     /// Bytes changed, taken out, put in, doubled, and lines exchanged: what is accepted is what was written.

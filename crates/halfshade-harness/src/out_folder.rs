@@ -370,7 +370,7 @@ mod tests {
         let here = tempfile::tempdir().unwrap();
         let folder = open(here.path()).unwrap();
         let key = cache::CacheKey::new("truth", 1);
-        folder.truths().get_or_compute(&key, || Ok(7u32)).unwrap();
+        folder.truths().get_or_compute(&key, |_| true, || Ok(7u32)).unwrap();
         let truths = here.path().join(PRIVATE).join("truth");
         assert_eq!(fs::read_dir(&truths).unwrap().count(), 1);
         fs::write(truths.join("notes.txt"), "precious").unwrap();

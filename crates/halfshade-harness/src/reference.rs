@@ -33,6 +33,14 @@ struct Stored {
     samples: usize,
 }
 
+impl Stored {
+    /// Whether there is a value for each of so many receivers.
+    fn is_of(&self, receiver_count: usize) -> bool {
+        let channels = [&self.radiance, &self.standard_error].into_iter().chain(&self.draws).flatten();
+        channels.chain([&self.unshadowed]).all(|values| values.len() == receiver_count)
+    }
+}
+
 /// What traces references.
 pub struct ReferenceTracer<'a> {
     /// How exact they are.
@@ -79,16 +87,20 @@ impl ReferenceTracer<'_> {
         };
         let frame = lit.frame(index);
         let key = key(&frame, receivers, &options);
-        let (stored, _) = self.cache.get_or_compute(&key, || {
-            let estimate = estimate(&Tracer::new(&frame), receivers, &options, self.progress);
-            Ok(Stored {
-                radiance: estimate.radiance.channels,
-                standard_error: estimate.standard_error.channels,
-                draws: estimate.draws.into_iter().map(|draw| draw.channels).collect(),
-                unshadowed: estimate.unshadowed,
-                samples: estimate.samples,
-            })
-        })?;
+        let (stored, _) = self.cache.get_or_compute(
+            &key,
+            |found: &Stored| found.is_of(receivers.len()),
+            || {
+                let estimate = estimate(&Tracer::new(&frame), receivers, &options, self.progress);
+                Ok(Stored {
+                    radiance: estimate.radiance.channels,
+                    standard_error: estimate.standard_error.channels,
+                    draws: estimate.draws.into_iter().map(|draw| draw.channels).collect(),
+                    unshadowed: estimate.unshadowed,
+                    samples: estimate.samples,
+                })
+            },
+        )?;
         let buffer = |channels| RadianceBuffer { channels };
         let reference = Reference {
             standard_error: buffer(stored.standard_error),

@@ -282,7 +282,10 @@ impl Run {
         });
         let time = self.time.iter().flat_map(|time| {
             let samples = time.samples.iter().map(|sample| ("time", sample.prepare_secs + sample.shade_secs));
-            samples.chain([("bake_secs", time.bake_secs), ("frames_per_sec", time.frames_per_sec.unwrap_or(0.0))])
+            let spreads = [("prepare_secs", time.prepare_secs), ("shade_secs", time.shade_secs)];
+            let spreads = spreads.map(|(name, spread)| (name, spread.map_or(0.0, |it| it.median + it.mad)));
+            let of_frame = [("bake_secs", time.bake_secs), ("frames_per_sec", time.frames_per_sec.unwrap_or(0.0))];
+            samples.chain(spreads).chain(of_frame)
         });
         let details = self.details.iter().flat_map(|detail| &detail.values).map(|value| ("details", *value));
         let mut figures = error.chain(truth).chain(time).chain(details);
@@ -306,6 +309,13 @@ impl TimeFigures {
     }
 }
 
+impl PictureFiles {
+    /// Its figure that is not finite, by name.
+    pub fn not_finite(&self) -> Option<String> {
+        (!self.exposure.is_finite()).then(|| format!("exposure of {}", self.png))
+    }
+}
+
 impl Results {
     /// Reads a `results.json`, or the one in a folder.
     pub fn load(path: &Path) -> Result<Self, HarnessError> {
@@ -317,6 +327,11 @@ impl Results {
         })?;
         if results.schema != SCHEMA {
             let problem = format!("schema `{}`; this program reads `{SCHEMA}`", results.schema);
+            return Err(HarnessError::in_file(&path, problem));
+        }
+        // Numbers that single precision can't hold, or of a sum that can't be.
+        if let Some(place) = results.not_finite() {
+            let problem = format!("damaged: {place} is not finite; run the experiment again");
             return Err(HarnessError::in_file(&path, problem));
         }
         Ok(results)
@@ -333,8 +348,7 @@ impl Results {
             (!figures.iter().all(|it| it.is_finite()))
                 .then(|| format!("the difference of {} and {}", it.first, it.second))
         });
-        let pictures =
-            self.pictures.iter().filter(|it| !it.exposure.is_finite()).map(|it| format!("exposure of {}", it.png));
+        let pictures = self.pictures.iter().filter_map(PictureFiles::not_finite);
         published.chain(runs).chain(differences).chain(pictures).next()
     }
 
@@ -489,6 +503,31 @@ pub(crate) mod tests {
         assert!(refused(&|results| results.runs[0].details[0].values.push(f64::NAN)).contains("details"));
         assert!(refused(&|results| results.differences[0].max = f64::INFINITY).contains("difference"));
         assert!(refused(&|results| results.scenes[0].published[0].frames_per_sec = f64::NAN).contains("published"));
+        let spread = Some(Spread { median: 1.0, mad: f64::NAN });
+        let time = refused(&|results| results.runs[0].time.as_mut().unwrap().shade_secs = spread);
+        assert!(time.contains("shade_secs"), "{time}");
+    }
+
+    /// A file has them where a number is beyond single precision.
+    #[test]
+    fn numbers_that_are_read_are_finite() {
+        let picture = PictureFiles {
+            scene: "vases".into(),
+            frame: 0,
+            label: "truth".into(),
+            exr: "a.exr".into(),
+            png: "a.png".into(),
+            error_png: None,
+            exposure: 0.375,
+        };
+        let text = Results { pictures: vec![picture], ..example() }.to_json().unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("results.json");
+        std::fs::write(&path, &text).unwrap();
+        assert_eq!(Results::load(&path).unwrap().pictures[0].exposure, 0.375);
+        std::fs::write(&path, text.replace("0.375", "1e300")).unwrap();
+        let error = Results::load(&path).unwrap_err().to_string();
+        assert!(error.contains("results.json") && error.contains("exposure of a.png is not finite"), "{error}");
     }
 
     #[test]

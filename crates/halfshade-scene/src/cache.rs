@@ -2,8 +2,9 @@
 //!
 //! An entry is a file `KIND-KEY.bin`, KEY a BLAKE3 hash of everything the data depends on, format version included. It
 //! holds a mark, the BLAKE3 hash of its payload, and the payload (postcard). Entries are written to a temporary file and
-//! renamed, so that nobody ever reads half of one. A cache is a convenience: a damaged entry is refused and computed
-//! anew, a folder that can't be written means no caching; both leave a note for the user and neither is an error.
+//! renamed, so that nobody ever reads half of one. A cache is a convenience: a damaged entry, or one that isn't of what
+//! was asked for, is refused and computed anew, a folder that can't be written means no caching; all leave a note for the
+//! user and none is an error.
 
 use crate::SceneError;
 use serde::{Serialize, de::DeserializeOwned};
@@ -101,13 +102,15 @@ impl Cache {
         self.folder.as_deref()
     }
 
-    /// The data under `key`, read if there is a sound entry, else computed by `compute` and stored.
+    /// The data under `key`, read if there is a sound entry that `fits`, else computed by `compute` and stored. `fits` tells
+    /// whether data have the lengths and ranges that their users rely on; a checksum doesn't.
     ///
     /// # Errors
     /// Those of `compute` only.
     pub fn get_or_compute<T: Serialize + DeserializeOwned>(
         &self,
         key: &CacheKey,
+        fits: impl FnOnce(&T) -> bool,
         compute: impl FnOnce() -> Result<T, SceneError>,
     ) -> Result<(T, CacheOutcome), SceneError> {
         let Some(folder) = &self.folder else {
@@ -117,6 +120,12 @@ impl Cache {
         let mut notes = Vec::new();
         match std::fs::read(&path) {
             Ok(bytes) => match decode(&bytes) {
+                Ok(data) if !fits(&data) => {
+                    notes.push(format!(
+                        "refused the cache entry {}: it is of something else; computed anew",
+                        path.display()
+                    ));
+                }
                 Ok(data) => return Ok((data, CacheOutcome { source: CacheSource::Read, notes })),
                 Err(problem) => {
                     notes.push(format!("refused the cache entry {}: {problem}; computed anew", path.display()));
@@ -178,7 +187,7 @@ mod tests {
     }
 
     fn ask(cache: &Cache, value: u32) -> (u32, CacheOutcome) {
-        cache.get_or_compute(&key(), || Ok(value)).unwrap()
+        cache.get_or_compute(&key(), |_| true, || Ok(value)).unwrap()
     }
 
     fn only_entry(folder: &Path) -> PathBuf {
@@ -194,7 +203,7 @@ mod tests {
         assert_eq!(ask(&cache, 7), (7, CacheOutcome { source: CacheSource::Computed, notes: vec![] }));
         assert_eq!(ask(&cache, 8), (7, CacheOutcome { source: CacheSource::Read, notes: vec![] }));
         assert_eq!(ask(&Cache::disabled(), 8).0, 8);
-        let other = cache.get_or_compute(&key().bytes(b"more"), || Ok(9u32)).unwrap();
+        let other = cache.get_or_compute(&key().bytes(b"more"), |_| true, || Ok(9u32)).unwrap();
         assert_eq!((other.0, other.1.source), (9, CacheSource::Computed));
     }
 
@@ -220,6 +229,18 @@ mod tests {
         }
     }
 
+    /// Its checksum is sound: it is what another program wrote.
+    #[test]
+    fn an_entry_of_something_else_is_refused_and_repaired() {
+        let folder = tempfile::tempdir().unwrap();
+        let cache = Cache::open(Some(folder.path().into()));
+        ask(&cache, 1);
+        let (value, outcome) = cache.get_or_compute(&key(), |found: &u32| *found == 2, || Ok(2)).unwrap();
+        assert_eq!((value, outcome.source), (2, CacheSource::Computed));
+        assert!(outcome.notes[0].contains("something else"), "{outcome:?}");
+        assert_eq!(ask(&cache, 3).0, 2);
+    }
+
     #[test]
     fn an_unwritable_folder_only_leaves_a_note() {
         let folder = tempfile::tempdir().unwrap();
@@ -235,7 +256,7 @@ mod tests {
     fn errors_are_not_cached() {
         let folder = tempfile::tempdir().unwrap();
         let cache = Cache::open(Some(folder.path().into()));
-        assert!(cache.get_or_compute::<u32>(&key(), || Err(SceneError::new("no"))).is_err());
+        assert!(cache.get_or_compute::<u32>(&key(), |_| true, || Err(SceneError::new("no"))).is_err());
         assert_eq!(ask(&cache, 2).0, 2);
     }
 

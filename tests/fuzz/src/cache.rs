@@ -3,7 +3,7 @@
 use crate::file;
 use glam::Vec3;
 use halfshade_harness::{
-    ReferenceKind,
+    ReceiverWeights, ReferenceKind,
     reference::{Accuracy, ReferenceTracer},
 };
 use halfshade_scene::{
@@ -108,5 +108,6 @@ fn truth(folder: &Path) {
         cache: &cache,
         progress: &Silent,
     };
-    let _ = tracer.trace(&scene, 0, receivers.view(), ReferenceKind::Mesh);
+    let weights = Arc::new(ReceiverWeights::equal(receivers.len()));
+    let _ = tracer.trace(&scene, 0, receivers.view(), ReferenceKind::Mesh, (weights, Arc::from([])));
 }

@@ -55,6 +55,11 @@ pub fn check_mesh(mesh: &Mesh) {
     for texture in &mesh.textures {
         assert!(coordinates.iter().all(|place| texture.at(place.truncate().as_dvec2()).is_finite()));
     }
+    assert!(mesh.coverage.is_empty() || mesh.coverage.len() == count, "coverage per vertex");
+    assert!(mesh.coverage.iter().all(|it| (0.0..=1.0).contains(&it.x) && it.y >= 0.0), "alpha outside [0, 1]");
+    for triangle in 0..mesh.triangles.len() {
+        mesh.is_cut_out(triangle, glam::DVec3::splat(1.0 / 3.0));
+    }
 }
 
 /// What [`EnvironmentMap`] and its loader promise.
@@ -62,4 +67,3 @@ pub fn check_map(map: &EnvironmentMap) {
     assert_eq!(map.texels().len(), map.width() * map.height());
     assert!(map.texels().iter().all(|l| l.is_finite() && l.min_element() >= 0.0), "radiance that isn't light");
 }
-

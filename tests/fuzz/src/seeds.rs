@@ -16,7 +16,10 @@ pub fn all() -> Vec<(&'static str, Vec<Vec<u8>>)> {
         ("gltf", vec![gltf("a.bin", ""), gltf(&data_uri(), r#","translation":[0,0,1]"#), gltf_animated()]),
         ("glb", vec![glb(&gltf_of(None, "", ""), &buffer()), glb(&skinned(None), &buffer())]),
         ("hdr", vec![hdr(&[2, 1], false), hdr(&[8, 4], true), hdr(&[4, 4], false)]),
-        ("exr", vec![exr(2, Encoding::UNCOMPRESSED), exr(4, Encoding::SMALL_LOSSLESS), exr(8, Encoding::FAST_LOSSLESS)]),
+        (
+            "exr",
+            vec![exr(2, Encoding::UNCOMPRESSED), exr(4, Encoding::SMALL_LOSSLESS), exr(8, Encoding::FAST_LOSSLESS)],
+        ),
         ("scene", texts(&[SCENE, SCENE_OF_FILES, SCENE_OF_KEYS])),
         ("experiment", texts(&[EXPERIMENT, EXPERIMENT_SMALL])),
         ("results", vec![RESULTS.replace('\n', "").into_bytes(), RESULTS.as_bytes().to_vec()]),
@@ -38,7 +41,8 @@ pub(crate) fn companions() -> Vec<(&'static str, Vec<u8>)> {
 }
 
 const OBJ: &str = "# a square\nmtllib none.mtl\no a\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvn 0 0 1\nf 1/1/1 2/2/1 3/3/1\nf -4 -2 -1\n";
-const OBJ_COLOURS: &str = "v 0 0 0 1 0 0\r\nv 1 0 0 0 1 0\r\nv 0 1 0\r\nv 0 0 1e3\r\ng x\r\ns off\r\nf 1 2 3\r\nf 1//  2 \\\r\n 4\r\n";
+const OBJ_COLOURS: &str =
+    "v 0 0 0 1 0 0\r\nv 1 0 0 0 1 0\r\nv 0 1 0\r\nv 0 0 1e3\r\ng x\r\ns off\r\nf 1 2 3\r\nf 1//  2 \\\r\n 4\r\n";
 const OBJ_CONCAVE: &str = "v 0 0 0\nv 2 0 0\nv .5 .5 0\nv 0 2 0\nv 3 3 3\nf 1 2 3 4\nl 1 2\np 1\nf 1 2 3 4 5\n";
 
 fn ply() -> Vec<Vec<u8>> {

@@ -227,7 +227,11 @@ impl SphereSet {
         } = mesh;
         let key =
             CacheKey::new("spheres", VERSION).value(positions).value(triangles).value(&(count as u64)).value(options);
-        cache.get_or_compute(&key, || Self::build(mesh, count, options, progress))
+        let are_spheres = |set: &Self| {
+            let is_sphere = |it: &Sphere| it.center.is_finite() && it.radius.is_finite() && it.radius >= 0.0;
+            (1..=count).contains(&set.spheres.len()) && set.spheres.iter().all(is_sphere)
+        };
+        cache.get_or_compute(&key, are_spheres, || Self::build(mesh, count, options, progress))
     }
 }
 

@@ -53,14 +53,15 @@ impl Baking<'_> {
         key
     }
 
-    /// From the cache, or computed; what is read makes up for so many `steps` of progress.
+    /// From the cache if it `fits`, or computed; what is read makes up for so many `steps` of progress.
     pub(super) fn cached<T: Serialize + DeserializeOwned>(
         &self,
         key: &CacheKey,
+        fits: impl FnOnce(&T) -> bool,
         (steps, progress): (usize, &dyn Progress),
         compute: impl FnOnce() -> T,
     ) -> Result<T, StrategyError> {
-        let found = self.cache.get_or_compute(key, || Ok(compute()));
+        let found = self.cache.get_or_compute(key, fits, || Ok(compute()));
         let (data, outcome) = found.map_err(|error| StrategyError::Failed(error.to_string()))?;
         if outcome.source == CacheSource::Read {
             progress.advance(steps as u64);

@@ -30,7 +30,7 @@ pub(super) struct Field<S> {
 }
 
 /// Where sample points lie.
-#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct Shells {
     pub(super) count: usize,
     /// Shells within the first, each of half the radius of the next: the paper has none.
@@ -91,6 +91,16 @@ pub(super) fn ball(mesh: &Mesh) -> Option<Ball> {
     (!points.is_empty() && ball.radius > 0.0 && ball.radius.is_finite()).then_some(ball)
 }
 
+/// By distance from the centre in steps of the finest spacing, the next of the shells of these `radii` outward.
+fn outer_shells(radii: &[f32], sampling: Shells) -> Vec<u8> {
+    let steps = (radii.last().unwrap_or(&0.0) / sampling.step()).round() as usize;
+    let next = |step: usize| {
+        let middle = (step as f32 + 0.5) * sampling.step();
+        radii.partition_point(|&radius| radius <= middle) as u8
+    };
+    (0..steps).map(next).collect()
+}
+
 impl<V: Clone + Send + Sync> Projected<V> {
     /// Of a mesh in `ball`.
     pub(super) fn new<B: Basis<Vector = V>>(
@@ -121,7 +131,35 @@ impl<V: Clone + Send + Sync> Projected<V> {
     }
 }
 
+impl<V> Projected<V> {
+    /// Whether it is sampled so around `ball`, and has all its vectors.
+    pub(super) fn is_of(&self, ball: Ball, sampling: Shells, is_vector: impl Fn(&V) -> bool) -> bool {
+        let resolution = |number: usize| if number == 0 { 1 } else { sampling.resolution };
+        let is_grid = |(number, grid): (usize, &Grid<V>)| {
+            grid.resolution == resolution(number) && grid.samples.len() == grid.resolution * grid.resolution
+        };
+        (Ball { center: self.center, radius: self.radius }, self.sampling) == (ball, sampling)
+            && self.radii.iter().copied().eq(std::iter::once(0.0).chain(sampling.radii()))
+            && self.shells.len() == self.radii.len()
+            && self.shells.iter().enumerate().all(is_grid)
+            && self.shells.iter().flat_map(|grid| &grid.samples).all(is_vector)
+    }
+}
+
 impl<S: Shell> Field<S> {
+    /// Whether it is of samples that lie so around `ball`: from the centre to the outermost of their shells.
+    pub(super) fn is_of(&self, ball: Ball, sampling: Shells, is_shell: impl Fn(&S) -> bool) -> bool {
+        let (radii, outermost) = (sampling.radii(), self.radii.last().copied());
+        (Ball { center: self.center, radius: self.radius }, self.sampled) == (ball, sampling)
+            && outermost == radii.last().copied()
+            && self.radii.first() == Some(&0.0)
+            && self.radii.is_sorted_by(|a, b| a < b)
+            && self.radii[1..].iter().all(|radius| radii.contains(radius))
+            && self.shells.len() == self.radii.len()
+            && self.shells.iter().all(|shell| shell.resolution() <= sampling.resolution && is_shell(shell))
+            && self.outer == outer_shells(&self.radii, sampling)
+    }
+
     /// Thins a field out and stores it.
     pub(super) fn new(
         basis: &S::Basis,
@@ -142,12 +180,7 @@ impl<S: Shell> Field<S> {
             None => (all(), shells.iter().map(|grid| S::store(basis, grid, storage)).collect()),
         };
         let radii: Vec<f32> = kept.iter().map(|&number| radii[number]).collect();
-        let steps = (radii[radii.len() - 1] / sampling.step()).round() as usize;
-        let next = |step: usize| {
-            let middle = (step as f32 + 0.5) * sampling.step();
-            radii.partition_point(|&radius| radius <= middle) as u8
-        };
-        let outer = (0..steps).map(next).collect();
+        let outer = outer_shells(&radii, *sampling);
         Self { center: *center, radius: *radius, radii, shells, outer, sampled: *sampling }
     }
 

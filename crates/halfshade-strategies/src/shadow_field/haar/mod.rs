@@ -71,13 +71,17 @@ pub(super) fn bake(
         // As stored: what is projected would fill disks.
         let sampling = baking.sampling;
         let key = key("shadow-field-haar", of.mesh).value(&(sampling, baking.thinning));
-        baking.cached(&key, (sampling.len(), progress), || {
+        let fits = |found: &Field<HaarShell>| {
+            found.is_of(ball, sampling, |shell| shell.is_of(basis.cube, (coding, baking.storage)))
+        };
+        baking.cached(&key, fits, (sampling.len(), progress), || {
             let projected = Projected::new(&basis, (of.get().rays(), ball), sampling, progress);
             Field::new(&basis, &projected, baking.thinning, baking.storage)
         })
     };
     let own = |of: &MeshRays<'_>| {
-        baking.cached(&key("own-occlusion-haar", of.mesh), (0, progress), || {
+        let fits = |found: &Rows| found.are_of(basis.cube, of.mesh.positions.len(), (coding, baking.storage));
+        baking.cached(&key("own-occlusion-haar", of.mesh), fits, (0, progress), || {
             Rows::store(basis.cube, &own_blocked(&basis, (of.mesh, of.get())), baking.storage, coding)
         })
     };

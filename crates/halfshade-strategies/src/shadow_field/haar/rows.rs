@@ -84,6 +84,60 @@ impl Rows {
         rows
     }
 
+    /// Whether there are `count` rows of vectors on `cube`, stored so, and each can be read to its end.
+    pub(super) fn are_of(&self, cube: Cube, count: usize, stored_as: (Coding, Storage)) -> bool {
+        let levels = cube.side().ilog2() as usize + 1;
+        let ends = self.starts.windows(2).map(|pair| [pair[0] as usize, pair[1] as usize]);
+        (self.face_len, self.scale.len()) == (cube.face_len(), levels)
+            && (self.coding, self.storage) == stored_as
+            && self.scale.iter().flatten().all(|value| value.is_finite())
+            && self.starts.first() == Some(&0)
+            && self.starts.len().checked_sub(1) == Some(count)
+            && ends.into_iter().all(|[start, end]| self.bytes.get(start..end).is_some_and(|row| self.is_row(cube, row)))
+    }
+
+    /// Whether a row has faces and coefficients that `cube` has, and ends with the last of them.
+    fn is_row(&self, cube: Cube, row: &[u8]) -> bool {
+        let Some((&faces, mut rest)) = row.split_first() else { return false };
+        let value_bytes = match self.storage {
+            Storage::U8 => 1,
+            Storage::F16 => 2,
+            Storage::F32 => 4,
+        };
+        match self.coding {
+            Coding::Listed => {
+                let index = |entry: &[u8]| usize::from(u16::from_le_bytes([entry[0], entry[1]]));
+                let entries = rest.chunks_exact(2 + value_bytes);
+                faces >> 6 == 0 && entries.remainder().is_empty() && entries.map(index).all(|index| index < cube.len())
+            }
+            Coding::Tree => {
+                let count = faces.count_ones();
+                faces >> 6 == 0
+                    && (0..count).all(|_| self.skip_square(Square::WHOLE, value_bytes, &mut rest).is_some())
+                    && rest.is_empty()
+            }
+        }
+    }
+
+    /// Leaves out what `rest` has of a square; nothing if the face has no such square, or bytes are missing.
+    fn skip_square(&self, square: Square, value_bytes: usize, rest: &mut &[u8]) -> Option<()> {
+        let present = *rest.split_off_first()?;
+        let is_whole = square.level == 0;
+        let may_have =
+            [(MEAN, is_whole), (0b111, square.count < self.face_len), (0b111_1000, 4 * square.count < self.face_len)];
+        if may_have.into_iter().any(|(bits, may)| present & bits != 0 && !may) {
+            return None;
+        }
+        let values = (present & (MEAN | 0b111)).count_ones() as usize;
+        rest.split_off(..values * value_bytes)?;
+        let present = u32::from(present);
+        square
+            .quarters()
+            .enumerate()
+            .filter(|(bit, _)| present & (1 << (3 + bit)) != 0)
+            .try_for_each(|(_, quarter)| self.skip_square(quarter, value_bytes, rest))
+    }
+
     fn push(&mut self, level: usize, value: f32) {
         let [least, step] = self.scale[level];
         match self.storage {

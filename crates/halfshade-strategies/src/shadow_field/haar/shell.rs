@@ -6,10 +6,11 @@ use super::{
         shells::Grid,
     },
     projection::HaarBasis,
-    rows::Rows,
+    rows::{Coding, Rows},
     sparse::Sparse,
     sum::Sum,
 };
+use halfshade_sh::haar::cube::Cube;
 use serde::{Deserialize, Serialize};
 
 /// One shell.
@@ -17,6 +18,14 @@ use serde::{Deserialize, Serialize};
 pub(super) struct HaarShell {
     resolution: usize,
     rows: Rows,
+}
+
+impl HaarShell {
+    /// Whether it has a row for each of its points, and all rows can be read.
+    pub(super) fn is_of(&self, cube: Cube, stored_as: (Coding, Storage)) -> bool {
+        let count = self.resolution.checked_mul(self.resolution);
+        self.resolution.is_power_of_two() && count.is_some_and(|count| self.rows.are_of(cube, count, stored_as))
+    }
 }
 
 impl Shell for HaarShell {

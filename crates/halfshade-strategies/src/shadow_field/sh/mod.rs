@@ -75,6 +75,7 @@ pub(super) fn bake(
         let problem = "own=projected and sampling=together hold the diffuse cosine; glossy reflectance needs others";
         return Err(StrategyError::Unsupported(problem.into()));
     }
+    let are_values = |values: &[f32], count| values.len() == count && values.iter().all(|value| value.is_finite());
     let map = params.integer("map");
     let basis = ShBasis::new(bands, map as usize);
     let key = |kind, mesh: &Mesh| baking.key(kind, mesh).value(&(bands, map));
@@ -82,14 +83,17 @@ pub(super) fn bake(
         // As projected, so that another threshold needs no rays.
         let sampling = baking.sampling;
         let key = key("shadow-field-sh", of.mesh).value(&sampling);
-        let projected = baking.cached(&key, (sampling.len(), progress), || {
+        let fits =
+            |found: &Projected<Vec<f32>>| found.is_of(ball, sampling, |vector| are_values(vector, bands * bands));
+        let projected = baking.cached(&key, fits, (sampling.len(), progress), || {
             Projected::new(&basis, (of.get().rays(), ball), sampling, progress)
         })?;
         Ok(Field::new(&basis, &projected, baking.thinning, baking.storage))
     };
     let own = |of: &MeshRays<'_>| {
         let key = key("own-occlusion-sh", of.mesh).value(&(own_kind == OwnKind::Transfer));
-        baking.cached(&key, (0, progress), || match own_kind {
+        let fits = |found: &Vec<f32>| are_values(found, of.mesh.positions.len() * bands * bands);
+        baking.cached(&key, fits, (0, progress), || match own_kind {
             OwnKind::Blocked => own_blocked(&basis, (of.mesh, of.get())).concat(),
             OwnKind::Transfer => own_transfer(&basis, (of.mesh, of.get())).concat(),
         })
