@@ -329,7 +329,7 @@ impl Results {
             let problem = format!("schema `{}`; this program reads `{SCHEMA}`", results.schema);
             return Err(HarnessError::in_file(&path, problem));
         }
-        // Numbers that single precision can't hold, or of a sum that can't be.
+        // Each number is finite, or JSON would not have it; a sum of two may not be.
         if let Some(place) = results.not_finite() {
             let problem = format!("damaged: {place} is not finite; run the experiment again");
             return Err(HarnessError::in_file(&path, problem));
@@ -508,26 +508,16 @@ pub(crate) mod tests {
         assert!(time.contains("shade_secs"), "{time}");
     }
 
-    /// A file has them where a number is beyond single precision.
+    /// What is read can be written: the two parts of a time are finite, their sum isn't.
     #[test]
     fn numbers_that_are_read_are_finite() {
-        let picture = PictureFiles {
-            scene: "vases".into(),
-            frame: 0,
-            label: "truth".into(),
-            exr: "a.exr".into(),
-            png: "a.png".into(),
-            error_png: None,
-            exposure: 0.375,
-        };
-        let text = Results { pictures: vec![picture], ..example() }.to_json().unwrap();
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("results.json");
-        std::fs::write(&path, &text).unwrap();
-        assert_eq!(Results::load(&path).unwrap().pictures[0].exposure, 0.375);
-        std::fs::write(&path, text.replace("0.375", "1e300")).unwrap();
+        let text = example().to_json().unwrap();
+        let huge = text.replace("\"prepare_secs\": 0.0", "\"prepare_secs\": 1.7e308");
+        std::fs::write(&path, huge.replace("\"shade_secs\": 0.002", "\"shade_secs\": 1.7e308")).unwrap();
         let error = Results::load(&path).unwrap_err().to_string();
-        assert!(error.contains("results.json") && error.contains("exposure of a.png is not finite"), "{error}");
+        assert!(error.contains("results.json") && error.contains("time of vases/0/vertices/fast"), "{error}");
     }
 
     #[test]
