@@ -1,6 +1,6 @@
 //! One receiver, made ready for sampling.
 
-use crate::directions::Axes;
+use crate::{directions::Axes, triangle::Slack};
 use glam::{DVec3, Vec3A};
 
 /// A receiver's frame, and where its rays start.
@@ -8,8 +8,8 @@ use glam::{DVec3, Vec3A};
 pub(crate) struct Receiver {
     /// Where rays start, in tracing space.
     pub(crate) ray_origin: Vec3A,
-    /// How far along each axis that may be beside the surface, in tracing space.
-    pub(crate) slack: Vec3A,
+    /// How far that may be beside the surface, in tracing space.
+    pub(crate) slack: Slack,
     /// Position in world space.
     pub(crate) position: DVec3,
     /// Unit shading normal in world space.
@@ -20,6 +20,6 @@ pub(crate) struct Receiver {
 
 impl Receiver {
     pub(crate) fn new(ray_origin: Vec3A, position: DVec3, normal: DVec3) -> Self {
-        Self { ray_origin, slack: Vec3A::ZERO, position, normal, axes: Axes::around(normal) }
+        Self { ray_origin, slack: Slack::NONE, position, normal, axes: Axes::around(normal) }
     }
 }

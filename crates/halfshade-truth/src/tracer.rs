@@ -5,7 +5,7 @@ use crate::{
     lights::Lights,
     receiver::Receiver,
     space::TracingSpace,
-    triangle::{ShearedRay, Triangle},
+    triangle::{ShearedRay, Slack, Triangle},
 };
 use glam::{DVec3, Vec3, Vec3A};
 use halfshade_scene::{Camera, EyeLobes, Frame, Gloss, Object, Pose, ReceiverBuffer};
@@ -159,7 +159,7 @@ impl Tracer {
         let lift = [unit, inward].map(|direction| 2.0 * direction.abs().dot(rounding) * direction);
         let origin = self.space.exact_point(position.as_dvec3()) + lift[0] + lift[1];
         let receiver = Receiver::new(origin.as_vec3a(), position.as_dvec3(), unit);
-        Receiver { slack: rounding.as_vec3a(), ..receiver }
+        Receiver { slack: Slack { along: rounding.as_vec3a(), normal: unit.as_vec3a() }, ..receiver }
     }
 
     /// How many triangles block.
@@ -176,7 +176,7 @@ impl Tracer {
     /// direction. The origin may lie anywhere: the ray is cut to the scene in double precision before it is traced.
     pub fn closest_hit(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
         let (ray, skipped) = self.clipped(origin, direction)?;
-        let hit = self.nearest(ray, Vec3A::ZERO)?;
+        let hit = self.nearest(ray, Slack::NONE)?;
         let distance = (hit.distance + self.space.length_in_world(skipped)) / f64::from(direction.length());
         Some(Hit { distance, ..hit })
     }
@@ -192,7 +192,7 @@ impl Tracer {
     }
 
     /// The first triangle along a ray in tracing space of unit direction.
-    fn nearest(&self, ray: Ray, slack: Vec3A) -> Option<Hit> {
+    fn nearest(&self, ray: Ray, slack: Slack) -> Option<Hit> {
         let sheared = ShearedRay::new(ray.origin, ray.direction).with_slack(slack);
         let mut hit = RayHit::none();
         let is_hit = if self.has_holes {
@@ -210,7 +210,7 @@ impl Tracer {
 
     /// Whether anything lies along a ray in world space, however far.
     pub fn occluded(&self, origin: Vec3, direction: Vec3) -> bool {
-        self.clipped(origin, direction).is_some_and(|(ray, _)| !self.unoccluded(ray, Vec3A::ZERO))
+        self.clipped(origin, direction).is_some_and(|(ray, _)| !self.unoccluded(ray, Slack::NONE))
     }
 
     /// The ray in tracing space, moved forward to the scene's bounding sphere if it starts outside, and by how much it
@@ -233,7 +233,7 @@ impl Tracer {
 
     /// Whether nothing lies along a ray in tracing space (see [`ShearedRay::with_slack`]).
     #[inline(always)]
-    pub(crate) fn unoccluded(&self, ray: Ray, slack: Vec3A) -> bool {
+    pub(crate) fn unoccluded(&self, ray: Ray, slack: Slack) -> bool {
         let sheared = ShearedRay::new(ray.origin, ray.direction).with_slack(slack);
         if self.has_holes {
             return self.bvh.ray_traverse_miss(ray, |_, slot| self.distance_past_holes(slot, &sheared));

@@ -18,7 +18,7 @@ use glam::{DVec3, Vec3A, Vec3Swizzles};
 const EDGE_ROUNDING: f32 = 8.0 * f32::EPSILON;
 
 /// How far behind its origin a ray meets what faces it, in lengths of its slack.
-const REACH_BEHIND: f64 = 4.0;
+const REACH_BEHIND: f32 = 4.0;
 
 /// The three vertices of a triangle by axis: `rows[axis] = (v0[axis], v1[axis], v2[axis])`.
 #[derive(Debug, Clone, Copy)]
@@ -38,6 +38,22 @@ pub(crate) struct ShearedRay {
     direction: Vec3A,
     /// How far, along each axis, the origin may lie beside the surface that it stands for.
     slack: Vec3A,
+    /// How far behind its origin it meets what faces it.
+    reach: f64,
+}
+
+/// How surely a ray's origin lies on its surface.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Slack {
+    /// How far, along each axis, the surface may lie beside where it is taken to be.
+    pub(crate) along: Vec3A,
+    /// Unit normal of the surface.
+    pub(crate) normal: Vec3A,
+}
+
+impl Slack {
+    /// In free space.
+    pub(crate) const NONE: Self = Self { along: Vec3A::ZERO, normal: Vec3A::ZERO };
 }
 
 /// Where a ray meets a triangle.
@@ -69,6 +85,7 @@ impl ShearedRay {
             start: origin,
             direction,
             slack: Vec3A::ZERO,
+            reach: 0.0,
         }
     }
 
@@ -77,9 +94,15 @@ impl ShearedRay {
     ///
     /// A receiver at the foot of a wall lies in the plane of the ground: rays that start there and go down cross the
     /// ground at distance 0 and must not escape below, while those that go up must not be blocked by it.
+    ///
+    /// Origins are lifted by twice their slack. What lies farther behind than half of that, along the normal, may be below
+    /// the surface on which the ray starts: at an edge it would meet the side that it has just left.
     #[inline(always)]
-    pub(crate) fn with_slack(self, slack: Vec3A) -> Self {
-        Self { slack, ..self }
+    pub(crate) fn with_slack(self, slack: Slack) -> Self {
+        let off = slack.normal.abs().dot(slack.along);
+        let leaves = self.direction.dot(slack.normal).max(f32::MIN_POSITIVE);
+        let reach = (REACH_BEHIND * slack.along.max_element()).min(off / leaves);
+        Self { slack: slack.along, reach: f64::from(reach), ..self }
     }
 }
 
@@ -164,7 +187,7 @@ impl Triangle {
             ahead > slack
         } else {
             // Entering through the front: but what a ray along a curved surface entered farther back it may have left.
-            facing < 0.0 && ahead < slack && ahead < -facing * REACH_BEHIND * f64::from(ray.slack.max_element())
+            facing < 0.0 && ahead < slack && ahead < -facing * ray.reach
         };
         if !is_met {
             return None;
@@ -218,7 +241,8 @@ mod tests {
         let mut rng = Pcg64Mcg::seed_from_u64(2);
         for _ in 0..1000 {
             let direction = random_point(&mut rng).normalize();
-            let ray = ShearedRay::new(Vec3A::new(1.0, 0.0, 1.0), direction).with_slack(Vec3A::splat(1e-3));
+            let slack = Slack { along: Vec3A::splat(1e-3), normal: Vec3A::X };
+            let ray = ShearedRay::new(Vec3A::new(1.0, 0.0, 1.0), direction).with_slack(slack);
             assert_eq!(up.distance(&ray).is_finite(), direction.y < 0.0, "{direction}");
         }
     }
