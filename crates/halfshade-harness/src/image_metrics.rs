@@ -1,6 +1,6 @@
 //! Similarity of pictures as people would judge them, on the exposed 8-bit sRGB pictures.
 //!
-//! SSIM [Wang2004] by our own `ssim.rs`: 1 is identical; not defined for pictures of fewer than 11 pixels either way. FLIP
+//! SSIM \[Wang2004\] by our own `ssim.rs`: 1 is identical; not defined for pictures of fewer than 11 pixels either way. FLIP
 //! through the crate nv-flip (\[Andersson2020\], at its default distance of 67 pixels per degree), the mean over pixels; 0
 //! is identical. That crate wraps C++: it is there with the feature `flip` only.
 

@@ -1,4 +1,4 @@
-//! Structural similarity [Wang2004].
+//! Structural similarity \[Wang2004\].
 //!
 //! With means μ, variances σ² and covariance σ_ab under a Gaussian window of 11 by 11 pixels and σ = 1.5 that sums to 1,
 //!

@@ -37,7 +37,7 @@ const MEASURE_STEP: f64 = 1.0 / 200.0;
 /// A mesh whose volume is below this fraction of its largest extent cubed counts as a thin shell.
 const THIN: f64 = 1e-6;
 
-/// The largest number of spheres of a set: of at most [`SURFACE_POINTS`] points that stand for the surface, each has three.
+/// The largest number of spheres of a set: of at most 6,000 points that stand for the surface, each has three.
 pub const MAX_SPHERES: usize = SURFACE_POINTS / 3;
 
 /// How a sphere set is fitted.
