@@ -6,11 +6,11 @@ use super::physics::{Contact, Piece, RigidBody, simulate};
 use super::polish::polished;
 use super::toys::{self, Toy};
 use super::{bowling, daylight, squirrel_and_balls, statues, vases};
-use crate::{Camera, Material, Mesh, Object, Pose, Scene};
+use crate::{Camera, Material, Mesh, Object, Pose, Scene, once};
 use glam::{BVec3, Quat, Vec3};
 use rand::{RngExt, SeedableRng};
 use std::f32::consts::TAU;
-use std::sync::{Arc, LazyLock};
+use std::sync::{Arc, OnceLock};
 
 /// Real time: a frame is a fiftieth of a second.
 const FRAMES_PER_SEC: f64 = 50.0;
@@ -52,8 +52,8 @@ const POLISHED: [&str; 3] = ["teapot", "ball", "drum"];
 
 /// The scene, simulated once.
 pub(super) fn scene() -> Scene {
-    static SCENE: LazyLock<Scene> = LazyLock::new(simulated);
-    SCENE.clone()
+    static SCENE: OnceLock<Scene> = OnceLock::new();
+    once(&SCENE, simulated).clone()
 }
 
 fn simulated() -> Scene {

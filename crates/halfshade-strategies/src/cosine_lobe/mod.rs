@@ -100,7 +100,7 @@ mod weights;
 use blockers::{Ball, Body, Spheres, bodies};
 use environment::{Fitted, Surroundings};
 use glam::{DVec3, Vec3};
-use halfshade_scene::{Environment, EyeLobes, Frame, Progress, RadianceMut, Receivers, Scene};
+use halfshade_scene::{Environment, EyeLobes, Frame, Progress, RadianceMut, Receivers, Scene, once};
 use halfshade_sh::lobe::{CapTable, LobeTable, ProductRule};
 use halfshade_strategy::{Baked, Detail, Effect, Effects, Footprint, Info, Params, Strategy, StrategyError};
 use light::Light;
@@ -173,7 +173,7 @@ impl Settings {
 /// The table of a rule, which depends on no scene.
 fn table_of(rule: ProductRule) -> &'static LobeTable {
     static TABLES: [OnceLock<LobeTable>; ProductRule::ALL.len()] = [const { OnceLock::new() }; ProductRule::ALL.len()];
-    TABLES[rule as usize].get_or_init(|| LobeTable::build(rule))
+    once(&TABLES[rule as usize], || LobeTable::build(rule))
 }
 
 /// What depends on no frame.
