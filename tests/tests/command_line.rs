@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{folder, halfshade, names, refused, stdout};
+use common::{folder, halfshade, names, refused, stdout, write};
 use serde_json::Value;
 use std::{fs, path::Path};
 
@@ -25,10 +25,6 @@ name = "unshadowed"
 name = "ray-traced"
 samples = [1, 4]
 "#;
-
-fn write(folder: &Path, name: &str, text: &str) {
-    fs::write(folder.join(name), text).expect("written");
-}
 
 #[test]
 fn help_and_version_go_to_stdout_and_usage_errors_end_with_2() {
@@ -145,9 +141,12 @@ fn mistakes_in_experiments_name_the_line_and_leave_nothing_behind() {
         ("repeats = 3", "repeats = 0", "bad.toml:9: "),
     ];
     for (from, to, expected) in cases {
-        write(here.path(), "bad.toml", &SMALL.replace(from, to));
-        let error = refused(halfshade(here.path()).args(["run", "bad.toml"]));
-        assert!(error.contains(expected), "{to}: {error}");
+        // A byte-order mark is no text, and moves no line.
+        for mark in ["", "\u{feff}"] {
+            write(here.path(), "bad.toml", mark.to_owned() + &SMALL.replace(from, to));
+            let error = refused(halfshade(here.path()).args(["run", "bad.toml"]));
+            assert!(error.contains(expected), "{to}: {error}");
+        }
     }
     assert!(refused(halfshade(here.path()).args(["run", "none.toml"])).contains("none.toml: cannot be read"));
     assert_eq!(names(here.path()), ["bad.toml"]);

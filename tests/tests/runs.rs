@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{folder, halfshade, names, refused, stdout};
+use common::{folder, halfshade, names, refused, stdout, write};
 use serde_json::Value;
 use std::{
     collections::BTreeMap,
@@ -37,12 +37,6 @@ name = "unshadowed"
 name = "ray-traced"
 samples = [1, 4]
 "#;
-
-fn write(folder: &Path, name: &str, text: impl AsRef<[u8]>) {
-    let path = folder.join(name);
-    fs::create_dir_all(path.parent().expect("a folder")).expect("made");
-    fs::write(path, text).expect("written");
-}
 
 /// A folder with the experiment and all that it reads.
 fn prepared() -> tempfile::TempDir {

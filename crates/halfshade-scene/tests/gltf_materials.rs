@@ -170,6 +170,14 @@ fn diffuse_colour_of_specular_gloss_is_the_albedo() {
 }
 
 #[test]
+fn light_that_a_material_emits_is_told() {
+    for (emission, expected) in [("[0, 0, 0]", false), ("[0, 0.5, 0]", true)] {
+        let (_, notes) = load(&square(), "", &format!(r#""emissiveFactor": {emission}"#), "").unwrap();
+        assert_eq!(notes.iter().any(|note| note.contains("light that materials emit left out: 1")), expected, "{notes:?}");
+    }
+}
+
+#[test]
 fn of_a_webp_texture_the_image_beside_it_is_taken_and_what_cannot_be_read_is_named() {
     let (builder, rest) = textured(2, &[[255, 0, 0, 255], [0, 0, 255, 255]]);
     let webp = |texture: &str, images: &str| {

@@ -10,9 +10,10 @@ pub mod seeds;
 pub use cache::{cache_entry, cache_payloads, with_checksum};
 pub use journal::{journal_header, with_checksums};
 
-use halfshade_scene::{Mesh, light::EnvironmentMap};
+use halfshade_scene::light::EnvironmentMap;
+use halfshade_scene::mesh::{self, Animation, Mesh};
 use std::{
-    path::PathBuf,
+    path::{Path, PathBuf},
     sync::{LazyLock, Once},
 };
 use tempfile::TempDir;
@@ -59,6 +60,21 @@ pub fn check_mesh(mesh: &Mesh) {
     assert!(mesh.coverage.iter().all(|it| (0.0..=1.0).contains(&it.x) && it.y >= 0.0), "alpha outside [0, 1]");
     for triangle in 0..mesh.triangles.len() {
         mesh.is_cut_out(triangle, glam::DVec3::splat(1.0 / 3.0));
+    }
+}
+
+/// glTF and GLB files, at rest and animated.
+pub fn check_gltf(path: &Path) {
+    if let Ok((mesh, _)) = mesh::load_with_notes(path) {
+        check_mesh(&mesh);
+    }
+    if let Ok((mesh, skin)) = mesh::load_animated(path, &Animation::Number(0)) {
+        check_mesh(&mesh);
+        for time in [0.0, 0.3, 1e3] {
+            let Some(skin) = &skin else { break };
+            let deformed = skin.deform(&mesh, time);
+            assert!(deformed.positions.iter().chain(&deformed.normals).all(|v| v.is_finite()));
+        }
     }
 }
 

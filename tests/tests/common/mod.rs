@@ -19,6 +19,14 @@ pub(crate) fn folder() -> TempDir {
     tempfile::tempdir().expect("a temporary folder")
 }
 
+/// Writes a file and the folders that it lies in.
+#[allow(dead_code, reason = "not every test program needs it")]
+pub(crate) fn write(folder: &Path, name: &str, content: impl AsRef<[u8]>) {
+    let path = folder.join(name);
+    std::fs::create_dir_all(path.parent().expect("a folder")).expect("made");
+    std::fs::write(path, content).expect("written");
+}
+
 /// Standard output of a command that must succeed.
 #[allow(dead_code, reason = "not every test program needs it")]
 pub(crate) fn stdout(command: &mut Command) -> String {

@@ -8,6 +8,8 @@
 use super::Ball;
 use glam::DVec3;
 use rayon::prelude::*;
+use std::cell::Cell;
+use std::ops::ControlFlow;
 
 type Triangle = [DVec3; 3];
 
@@ -19,7 +21,7 @@ const FEW: usize = 6;
 pub(super) fn violation(triangles: &[Triangle], balls: &[Ball], tolerance: f64) -> f64 {
     let of_triangle = |triangle: &Triangle| {
         let mut largest = 0.0f64;
-        leaves(*triangle, balls, &mut candidates(triangle, balls), 0, tolerance, &mut |leaf, near| {
+        each_leaf(triangle, balls, tolerance, |leaf, near| {
             let missing = near.iter().map(|&k| balls[k as usize].missing(leaf)).fold(f64::INFINITY, f64::min);
             largest = largest.max(missing);
         });
@@ -33,7 +35,7 @@ pub(super) fn violation(triangles: &[Triangle], balls: &[Ball], tolerance: f64) 
 pub(super) fn uncovered_points(triangles: &[Triangle], balls: &[Ball], tolerance: f64) -> Vec<DVec3> {
     let of_triangle = |triangle: &Triangle| {
         let mut points = Vec::new();
-        leaves(*triangle, balls, &mut candidates(triangle, balls), 0, tolerance, &mut |leaf, near| {
+        each_leaf(triangle, balls, tolerance, |leaf, near| {
             points.extend(leaf.iter().filter(|p| !near.iter().any(|&k| balls[k as usize].contains(**p))));
         });
         points
@@ -60,24 +62,28 @@ pub(super) fn grow_to_cover(
 ) -> f64 {
     let before: Vec<f64> = balls.iter().map(|ball| ball.radius).collect();
     let fixed = &*balls;
-    let open: Vec<&Triangle> =
-        triangles.par_iter().filter(|triangle| violation(&[**triangle], fixed, tolerance) > 0.0).collect();
+    let open: Vec<&Triangle> = triangles.par_iter().filter(|triangle| is_open(triangle, fixed, tolerance)).collect();
     for triangle in open {
-        let mut uncovered = Vec::new();
-        leaves(*triangle, balls, &mut candidates(triangle, balls), 0, tolerance, &mut |leaf, _| uncovered.push(*leaf));
-        for leaf in uncovered {
-            if balls.iter().any(|ball| ball.missing(&leaf) <= 0.0) {
-                continue;
+        let mut near = candidates(triangle, balls);
+        // Cells, since what has grown for one leaf holds whole pieces after it, which are then not cut into leaves.
+        let balls = Cell::from_mut(balls).as_slice_of_cells();
+        let _ = leaves(*triangle, &|k| balls[k].get(), &mut near, 0, tolerance, &mut |leaf, _| {
+            let missing = |k: usize| balls[k].get().missing(leaf);
+            if (0..balls.len()).all(|k| missing(k) > 0.0) {
+                // Judged by the radii before: a ball that has just grown would look nearest to every next leaf and creep.
+                let need = |k: usize| missing(k) + (balls[k].get().radius - before[k]);
+                let Some(nearest) = (0..balls.len()).min_by(|&a, &b| need(a).total_cmp(&need(b))) else {
+                    return ControlFlow::Break(());
+                };
+                // More than once only where the sum is an ulp short.
+                while missing(nearest) > 0.0 {
+                    let Ball { center, radius } = balls[nearest].get();
+                    let radius = round_up((radius + missing(nearest)).max(radius * (1.0 + f64::EPSILON)));
+                    balls[nearest].set(Ball { center, radius });
+                }
             }
-            // Judged by the radii before: a ball that has just grown would look nearest to every next leaf and creep.
-            let need = |k: usize| balls[k].missing(&leaf) + (balls[k].radius - before[k]);
-            let Some(nearest) = (0..balls.len()).min_by(|&a, &b| need(a).total_cmp(&need(b))) else { return 0.0 };
-            let ball = &mut balls[nearest];
-            // More than once only where the sum is an ulp short.
-            while ball.missing(&leaf) > 0.0 {
-                ball.radius = round_up((ball.radius + ball.missing(&leaf)).max(ball.radius * (1.0 + f64::EPSILON)));
-            }
-        }
+            ControlFlow::Continue(())
+        });
     }
     balls.iter().zip(before).map(|(ball, before)| ball.radius - before).fold(0.0, f64::max)
 }
@@ -103,37 +109,52 @@ fn candidates(triangle: &Triangle, balls: &[Ball]) -> Vec<u32> {
     if found.is_empty() { all.collect() } else { found }
 }
 
+/// Whether a leaf of the triangle lies in no single ball.
+fn is_open(triangle: &Triangle, balls: &[Ball], tolerance: f64) -> bool {
+    let first = &mut |_: &Triangle, _: &[u32]| ControlFlow::Break(());
+    leaves(*triangle, &|k| balls[k], &mut candidates(triangle, balls), 0, tolerance, first).is_break()
+}
+
 /// Calls `visit` with every leaf that no single ball holds, and the balls that may be the nearest to it.
+fn each_leaf(triangle: &Triangle, balls: &[Ball], tolerance: f64, mut visit: impl FnMut(&Triangle, &[u32])) {
+    let mut near = candidates(triangle, balls);
+    let _ = leaves(*triangle, &|k| balls[k], &mut near, 0, tolerance, &mut |leaf, near| {
+        visit(leaf, near);
+        ControlFlow::Continue(())
+    });
+}
+
+/// Calls `visit` with every leaf that no single ball holds, and the balls that may be the nearest to it, until it breaks.
 ///
 /// `near` holds balls for the triangle from `begin` on, and is as before on return up to their order.
 fn leaves(
     triangle: Triangle,
-    balls: &[Ball],
+    ball: &impl Fn(usize) -> Ball,
     near: &mut Vec<u32>,
     begin: usize,
     tolerance: f64,
-    visit: &mut impl FnMut(&Triangle, &[u32]),
-) {
-    if let Some(place) = near[begin..].iter().position(|&k| balls[k as usize].missing(&triangle) <= 0.0) {
+    visit: &mut impl FnMut(&Triangle, &[u32]) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    if let Some(place) = near[begin..].iter().position(|&k| ball(k as usize).missing(&triangle) <= 0.0) {
         // The ball that held the last piece probably holds the next.
         near.swap(begin, begin + place);
-        return;
+        return ControlFlow::Continue(());
     }
     // Turned so that the longest edge is ab. Halving that one alone cuts slivers across and leaves them few pieces.
     let edge_squared = |k: usize| triangle[k].distance_squared(triangle[(k + 1) % 3]);
     let longest = (1..3).fold(0, |longest, k| if edge_squared(k) > edge_squared(longest) { k } else { longest });
     if edge_squared(longest) <= tolerance * tolerance {
-        visit(&triangle, &near[begin..]);
-        return;
+        return visit(&triangle, &near[begin..]);
     }
     let [a, b, c] = [0, 1, 2].map(|k| triangle[(longest + k) % 3]);
     let middle = a.midpoint(b);
     let end = near.len();
-    keep_near(&triangle, balls, near, begin);
-    for half in [[a, middle, c], [middle, b, c]] {
-        leaves(half, balls, near, end, tolerance, visit);
-    }
+    keep_near(&triangle, ball, near, begin);
+    let flow = [[a, middle, c], [middle, b, c]]
+        .into_iter()
+        .try_for_each(|half| leaves(half, ball, near, end, tolerance, visit));
     near.truncate(end);
+    flow
 }
 
 /// Appends those of `near[begin..]` that may hold a part of the triangle, or be the nearest to one.
@@ -141,7 +162,7 @@ fn leaves(
 /// With middle m and reach ρ, what a ball lacks of a part lies between |m − centre| − ρ − radius and, of the whole,
 /// |m − centre| + ρ − radius. Who lacks more of every part than another one of the whole decides nothing: a large triangle
 /// meets all balls of a set, its pieces few.
-fn keep_near(triangle: &Triangle, balls: &[Ball], near: &mut Vec<u32>, begin: usize) {
+fn keep_near(triangle: &Triangle, ball: &impl Fn(usize) -> Ball, near: &mut Vec<u32>, begin: usize) {
     let end = near.len();
     if end - begin <= FEW {
         near.extend_from_within(begin..end);
@@ -149,7 +170,7 @@ fn keep_near(triangle: &Triangle, balls: &[Ball], near: &mut Vec<u32>, begin: us
     }
     let middle = triangle.iter().sum::<DVec3>() / 3.0;
     let reach = triangle.iter().map(|corner| corner.distance(middle)).fold(0.0, f64::max);
-    let gap = |k: u32| middle.distance(balls[k as usize].center) - balls[k as usize].radius;
+    let gap = |k: u32| middle.distance(ball(k as usize).center) - ball(k as usize).radius;
     // A hair more than needed: rounding must not decide.
     let limit = near[begin..].iter().map(|&k| gap(k)).fold(f64::INFINITY, f64::min) + 2.0 * (1.0 + 1e-9) * reach;
     for place in begin..end {

@@ -5,6 +5,7 @@ use crate::SceneError;
 use ::gltf::Accessor;
 use ::gltf::accessor::sparse::IndexType;
 use ::gltf::accessor::{DataType, Dimensions};
+use glam::DVec3;
 use std::collections::BTreeMap;
 
 /// Most elements of an accessor that has no data of its own and is all zero, but for what a sparse list replaces.
@@ -160,4 +161,19 @@ fn replaced<'a>(
         return Err(SceneError::new(format!("accessor {index} replaces an element twice")));
     }
     Ok(Some(replaced))
+}
+
+/// An accessor of positions or of shifts of them.
+pub(super) fn vectors(accessor: &Accessor<'_>, buffers: &Buffers) -> Result<Vec<DVec3>, SceneError> {
+    let list = numbers::<3>(accessor, buffers, Dimensions::Vec3, Whole::AsDeclared)?;
+    Ok(list.into_iter().map(DVec3::from).collect())
+}
+
+/// A list of as many elements as there are positions.
+pub(super) fn of_count<T>(list: Vec<T>, count: usize) -> Result<Vec<T>, SceneError> {
+    if list.len() == count {
+        return Ok(list);
+    }
+    Err(SceneError::new(format!("{} elements for {count} positions", list.len()))
+        .with_remedy("the file was written wrongly: export it again"))
 }

@@ -4,8 +4,9 @@
 //! harm, which are mended here: bounds of positions that are missing, and accessors without data, which glTF says are zero.
 
 use super::extensions;
+use super::material::emission_note;
 use super::uri;
-use crate::SceneError;
+use crate::{SceneError, text};
 use ::gltf::json::{Index, Root, Value, accessor, deserialize, validation::Checked};
 use ::gltf::{Document, Glb, Semantic, buffer};
 use std::collections::HashSet;
@@ -39,7 +40,8 @@ impl Buffers {
 pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<(Document, Buffers, Vec<String>), SceneError> {
     let (text, blob) = parts(bytes)?;
     let mut json = parse(&text, blob.is_none())?;
-    let notes = extensions::check(&json)?;
+    let mut notes = extensions::check(&json)?;
+    notes.extend(emission_note(&json));
     let is_quantized = json.extensions_used.iter().any(|name| name == "KHR_mesh_quantization");
     check_positions(&json)?;
     let zeros = complete(&mut json);
@@ -79,10 +81,7 @@ fn parts(bytes: &[u8]) -> Result<(Vec<u8>, Option<Vec<u8>>), SceneError> {
 
 /// The JSON document. A byte-order mark before it, and the zeros with which some programs fill up a chunk, are left out.
 fn parse(text: &[u8], has_lines: bool) -> Result<Root, SceneError> {
-    if text.starts_with(b"\xff\xfe") || text.starts_with(b"\xfe\xff") {
-        return Err(SceneError::new("the text is encoded as UTF-16").with_remedy("save it as UTF-8"));
-    }
-    let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
+    let text = text::without_mark(text)?;
     let end = text.iter().rposition(|byte| *byte != 0).map_or(0, |last| last + 1);
     let text = &text[..end];
     match deserialize::from_slice::<Root>(text) {

@@ -3,10 +3,20 @@
 use super::Buffers;
 use super::textures::Textures;
 use crate::SceneError;
+use ::gltf::json::{self, Root};
 use ::gltf::material::AlphaMode;
 use ::gltf::texture::Info;
 use ::gltf::{Material, Semantic};
 use glam::{DVec2, DVec3, DVec4, Vec2};
+
+/// Which materials emit light, as no surface here does, for people.
+pub(super) fn emission_note(json: &Root) -> Option<String> {
+    let emits = |material: &&json::Material| material.emissive_factor.0.into_iter().any(|factor| factor > 0.0);
+    match json.materials.iter().filter(emits).count() {
+        0 => None,
+        count => Some(format!("light that materials emit left out: {count}")),
+    }
+}
 
 /// Base colour and alpha of a primitive.
 pub(super) struct Surface<'a> {

@@ -1,7 +1,7 @@
 //! Morph targets: where vertices go as weights grow.
 
 use super::Buffers;
-use super::primitive::{of_count, vectors};
+use super::accessor::{of_count, vectors};
 use crate::SceneError;
 use ::gltf::Node;
 use ::gltf::mesh::MorphTarget;

@@ -1,7 +1,7 @@
 //! Primitives: what a mesh of a document is made of.
 
 use super::Buffers;
-use super::accessor::{Whole, any_numbers, indices, numbers};
+use super::accessor::{Whole, any_numbers, indices, numbers, of_count, vectors};
 use super::extensions;
 use super::material::{Coverage, Surface};
 use super::morph::Target;
@@ -279,12 +279,6 @@ pub(super) fn cofactors(matrix: &DMat4) -> DMat3 {
     sign * DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis))
 }
 
-/// An accessor of positions or of shifts of them.
-pub(super) fn vectors(accessor: &Accessor<'_>, buffers: &Buffers) -> Result<Vec<DVec3>, SceneError> {
-    let list = numbers::<3>(accessor, buffers, Dimensions::Vec3, Whole::AsDeclared)?;
-    Ok(list.into_iter().map(DVec3::from).collect())
-}
-
 /// An accessor of colours, which are linear, with alpha or without.
 fn colors(accessor: &Accessor<'_>, buffers: &Buffers) -> Result<Vec<DVec4>, SceneError> {
     if accessor.dimensions() == Dimensions::Vec3 {
@@ -293,15 +287,6 @@ fn colors(accessor: &Accessor<'_>, buffers: &Buffers) -> Result<Vec<DVec4>, Scen
     }
     let list = numbers::<4>(accessor, buffers, Dimensions::Vec4, Whole::Fraction)?;
     Ok(list.into_iter().map(DVec4::from).collect())
-}
-
-/// A list of as many elements as there are positions.
-pub(super) fn of_count<T>(list: Vec<T>, count: usize) -> Result<Vec<T>, SceneError> {
-    if list.len() == count {
-        return Ok(list);
-    }
-    Err(SceneError::new(format!("{} elements for {count} positions", list.len()))
-        .with_remedy("the file was written wrongly: export it again"))
 }
 
 fn about(semantic: &Semantic, error: SceneError) -> SceneError {
