@@ -173,7 +173,11 @@ fn diffuse_colour_of_specular_gloss_is_the_albedo() {
 fn light_that_a_material_emits_is_told() {
     for (emission, expected) in [("[0, 0, 0]", false), ("[0, 0.5, 0]", true)] {
         let (_, notes) = load(&square(), "", &format!(r#""emissiveFactor": {emission}"#), "").unwrap();
-        assert_eq!(notes.iter().any(|note| note.contains("light that materials emit left out: 1")), expected, "{notes:?}");
+        assert_eq!(
+            notes.iter().any(|note| note.contains("light that materials emit left out: 1")),
+            expected,
+            "{notes:?}"
+        );
     }
 }
 
