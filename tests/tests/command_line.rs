@@ -110,7 +110,7 @@ fn an_experiment_runs_checks_reports_and_resumes() {
     let mut better = json.clone();
     let rmse = better["runs"][1]["error"]["rmse"].as_f64().unwrap();
     better["runs"][1]["error"]["rmse"] = (0.5 * rmse).into();
-    write(here.path(), "base.json", &better.to_string());
+    write(here.path(), "base.json", better.to_string());
     let failed = halfshade(here.path()).args(check).assert().code(1).get_output().clone();
     let table = String::from_utf8(failed.stdout).unwrap();
     assert!(table.contains("FAILED: error grew") && table.contains("1 failed"), "{table}");
@@ -230,7 +230,7 @@ fn strategies_are_compared_with_each_other_where_an_experiment_asks_for_it() {
     let pair = |second: &str| {
         SMALL.replace("[truth]", &format!("compare = [[\"ray-traced:samples=4\", {second:?}]]\n[truth]"))
     };
-    write(here.path(), "small.toml", &pair("ray-traced:samples=1"));
+    write(here.path(), "small.toml", pair("ray-traced:samples=1"));
     stdout(halfshade(here.path()).args(["run", "small.toml"]));
     let json: Value = serde_json::from_slice(&fs::read(here.path().join("out/small/results.json")).unwrap()).unwrap();
     let [difference] = &json["differences"].as_array().unwrap()[..] else { panic!("one pair") };
@@ -239,7 +239,7 @@ fn strategies_are_compared_with_each_other_where_an_experiment_asks_for_it() {
     assert!(mae > 0.0 && mae < difference["mean"].as_f64().unwrap(), "{difference}");
     let report = stdout(halfshade(here.path()).args(["report", "out/small"]));
     assert!(report.contains("| ray-traced:samples=4 | ray-traced:samples=1 |"), "{report}");
-    write(here.path(), "small.toml", &pair("ray-traced:samples=2"));
+    write(here.path(), "small.toml", pair("ray-traced:samples=2"));
     let error = refused(halfshade(here.path()).args(["run", "small.toml"]));
     assert!(error.contains("small.toml:5") && error.contains("not among the strategies"), "{error}");
 }
@@ -292,11 +292,11 @@ fn bounces_reach_truth_strategies_and_results_and_mistakes_name_their_line() {
         ("bounces = 99", "at most"),
         ("camera = { eye = [0, 0, 0], target = [0, 0, 0], vertical_fov_degrees = 40 }", "camera:"),
     ] {
-        write(here.path(), "bad.toml", &bounced.replace("bounces = 1", line));
+        write(here.path(), "bad.toml", bounced.replace("bounces = 1", line));
         let message = refused(halfshade(here.path()).args(["run", "bad.toml"]));
         assert!(message.contains("bad.toml:14") && message.contains(problem), "{message}");
     }
     let difference = "difference = [\"sh-exp\", \"sh-exp:bands=7\"]\n[[scene]]";
-    write(here.path(), "bad.toml", &bounced.replace("[[scene]]", difference));
+    write(here.path(), "bad.toml", bounced.replace("[[scene]]", difference));
     assert!(refused(halfshade(here.path()).args(["run", "bad.toml"])).contains("not among the strategies"));
 }
