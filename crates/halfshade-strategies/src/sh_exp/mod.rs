@@ -50,7 +50,7 @@
 //! or too dark: two thousand equal spheres overhead, which leave a quarter of a constant sky's light open, come out too
 //! bright by up to 0.35 of the unshadowed, or black. Shares err by 0.01 there, and on a bunny of 64 spheres at 2 bands
 //! by 0.016 where the hybrid errs by 0.21; they cost about 11 times the hybrid's time there (all 64 overlap), in the
-//! built-in scenes 1.7 to 3.0 times at 4 bands and 0.4 to 0.7 times at 6 (`results/soft-shadows`).
+//! built-in scenes 1.8 to 2.8 times at 4 bands and 0.4 to 0.7 times at 6 (`results/soft-shadows`).
 //!
 //! **Continuity.** As published, the hybrid steps where |f̂| passes the magnitude limit times a power of two and it squares
 //! once more: by 0.01 of the unshadowed at 4 and 6 bands with limit 1 and by 0.04 at 8. `squaring=continuous` blends that
