@@ -1,4 +1,4 @@
-//! What a material says of base colour and of alpha.
+//! Base colour and alpha of a material, and whether it emits light.
 
 use super::Buffers;
 use super::textures::Textures;
@@ -9,7 +9,7 @@ use ::gltf::texture::Info;
 use ::gltf::{Material, Semantic};
 use glam::{DVec2, DVec3, DVec4, Vec2};
 
-/// Which materials emit light, as no surface here does, for people.
+/// Tells people how many materials emit light, as no surface here does.
 pub(super) fn emission_note(json: &Root) -> Option<String> {
     let emits = |material: &&json::Material| material.emissive_factor.0.into_iter().any(|factor| factor > 0.0);
     match json.materials.iter().filter(emits).count() {
