@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{folder, halfshade, names, refused, stdout};
+use common::{folder, halfshade, names, refused, stdout, write};
 use std::fs;
 
 const TRIANGLES: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
@@ -33,7 +33,7 @@ fn meshes_that_cannot_be_used() {
         ("format.stl", b"solid".to_vec()),
     ];
     for (name, bytes) in &cases {
-        fs::write(here.path().join(name), bytes).expect("written");
+        write(here.path(), name, bytes);
         let error = refused(halfshade(here.path()).args(["spheres", name, "-n", "2", "-o", "set.json"]));
         assert!(error.contains(name), "{name}: {error}");
         assert!(!here.path().join("set.json").exists(), "{name}");
@@ -46,7 +46,7 @@ fn meshes_that_cannot_be_used() {
 #[test]
 fn lights_that_cannot_be_used() {
     let here = folder();
-    fs::write(here.path().join("a.obj"), TRIANGLES).expect("written");
+    write(here.path(), "a.obj", TRIANGLES);
     let whole = hdr(16, 8);
     let cases: [(&str, Vec<u8>); 5] = [
         ("empty.hdr", Vec::new()),
@@ -56,7 +56,7 @@ fn lights_that_cannot_be_used() {
         ("nonsense.exr", vec![7; 100]),
     ];
     for (name, bytes) in &cases {
-        fs::write(here.path().join(name), bytes).expect("written");
+        write(here.path(), name, bytes);
         let arguments = ["truth", "a.obj", "--env", name, "--resolution", "4x4", "-o", "t.exr"];
         assert!(refused(halfshade(here.path()).args(arguments)).contains(name), "{name}");
     }
@@ -77,7 +77,7 @@ fn lights_that_cannot_be_used() {
     let error = refused(halfshade(here.path()).args(["truth", "one-sphere", "--env", "sky", "-o", "t.exr"]));
     assert!(error.contains("own light"), "{error}");
     assert!(!here.path().join("t.exr").exists());
-    fs::write(here.path().join("whole.hdr"), &whole).expect("written");
+    write(here.path(), "whole.hdr", &whole);
     let arguments = ["truth", "a.obj", "--env", "whole.hdr", "--resolution", "4x4", "--samples", "16", "-o", "t.exr"];
     halfshade(here.path()).args(arguments).assert().success();
 }
@@ -85,15 +85,15 @@ fn lights_that_cannot_be_used() {
 #[test]
 fn more_spheres_than_a_mesh_can_use() {
     let here = folder();
-    fs::write(here.path().join("a.obj"), TRIANGLES).expect("written");
+    write(here.path(), "a.obj", TRIANGLES);
     let error = refused(halfshade(here.path()).args(["spheres", "a.obj", "-n", "1000000"]));
     assert!(error.contains("-n 1000000") && error.contains("at most 2000"), "{error}");
-    fs::write(here.path().join("s.toml"), "[[object]]\nmesh = \"a.obj\"\nspheres = 2001\n").expect("written");
+    write(here.path(), "s.toml", "[[object]]\nmesh = \"a.obj\"\nspheres = 2001\n");
     let error = refused(halfshade(here.path()).args(["truth", "s.toml", "--resolution", "4x4", "-o", "t.exr"]));
     assert!(error.contains("s.toml:3: spheres = 2001 lies outside of 0 to 2000"), "{error}");
     let experiment = "name = \"e\"\nclaim = \"c\"\n[truth]\nsamples = 16\n[[scene]]\nname = \"one-sphere\"\n\
                       spheres = 2001\n[[strategy]]\nname = \"unshadowed\"\n";
-    fs::write(here.path().join("e.toml"), experiment).expect("written");
+    write(here.path(), "e.toml", experiment);
     let error = refused(halfshade(here.path()).args(["run", "e.toml"]));
     assert!(error.contains("spheres = 2001") && error.contains("2000"), "{error}");
 }
@@ -101,11 +101,11 @@ fn more_spheres_than_a_mesh_can_use() {
 #[test]
 fn cameras_that_see_nothing() {
     let here = folder();
-    fs::write(here.path().join("a.obj"), TRIANGLES).expect("written");
+    write(here.path(), "a.obj", TRIANGLES);
     let far = "[[object]]\nmesh = \"a.obj\"\nspheres = 1\nscale = 1e-5\ntranslate = [1000, 500, -1000]\n";
-    fs::write(here.path().join("far.toml"), far).expect("written");
+    write(here.path(), "far.toml", far);
     let away = "[[object]]\nmesh = \"a.obj\"\n[camera]\neye = [0, 0, 9]\ntarget = [0, 0, 19]\n";
-    fs::write(here.path().join("away.toml"), away).expect("written");
+    write(here.path(), "away.toml", away);
     for command in [&["truth"][..], &["render", "--strategy", "unshadowed"]] {
         let run = |scene: &str| {
             let arguments = [scene, "--resolution", "8x6", "-o", "t.exr"];
@@ -139,15 +139,14 @@ fn scene_files_with_mistakes_name_file_and_line() {
         ("spheres = 1", "spheres = -1", 4),
     ];
     for (from, to, line) in cases {
-        fs::write(here.path().join("bad.toml"), sound.replace(from, to)).expect("written");
+        write(here.path(), "bad.toml", sound.replace(from, to));
         let error = refused(halfshade(here.path()).args(["truth", "bad.toml", "--resolution", "4x4", "-o", "t.exr"]));
         assert!(error.contains(&format!("bad.toml:{line}: ")), "{to}: {error}");
     }
-    fs::write(here.path().join("missing.toml"), sound.replace("shape = \"sphere\"", "mesh = \"none.obj\""))
-        .expect("written");
+    write(here.path(), "missing.toml", sound.replace("shape = \"sphere\"", "mesh = \"none.obj\""));
     let error = refused(halfshade(here.path()).args(["truth", "missing.toml", "-o", "t.exr"]));
     assert!(error.contains("none.obj"), "{error}");
-    fs::write(here.path().join("good.toml"), sound).expect("written");
+    write(here.path(), "good.toml", sound);
     let arguments = ["truth", "good.toml", "--resolution", "4x4", "--samples", "16", "-o", "t.exr"];
     halfshade(here.path()).args(arguments).assert().success();
 }
@@ -157,13 +156,13 @@ fn light_beyond_single_precision_is_refused_and_dim_or_no_light_is_measured() {
     let here = folder();
     let experiment = "name = \"e\"\nclaim = \"none\"\n[truth]\nsamples = 16\n[pictures]\n[[scene]]\nname = \"scene.toml\"\n\
                       [[strategy]]\nname = \"unshadowed\"\n[[strategy]]\nname = \"ray-traced\"\n";
-    fs::write(here.path().join("e.toml"), experiment).expect("written");
+    write(here.path(), "e.toml", experiment);
     let scene = |light: &str| {
         let text = format!(
             "name = \"a|b <i>c</i>\"\n[[object]]\nshape = \"box\"\nspheres = 1\n[environment]\nconstant = [{light}, {light}, {light}]\n\
              [camera]\neye = [0, 2, 4]\ntarget = [0, 0, 0]\nresolution = [12, 12]\n"
         );
-        fs::write(here.path().join("scene.toml"), text).expect("written");
+        write(here.path(), "scene.toml", text);
     };
     for (light, word) in [("3e38", "not finite"), ("1e-42", "too dim")] {
         scene(light);

@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::{folder, halfshade, stdout};
+use common::{folder, halfshade, stdout, write};
 use std::{
     fs,
     path::{Path, PathBuf},
@@ -62,10 +62,10 @@ fn every_mesh_and_every_probe_runs() {
             "name = \"{name}\"\n[[object]]\nmesh = {mesh:?}\nspheres = 4\n[environment]\nimage = {probe:?}\n\
              projection = \"{projection}\"\n"
         );
-        fs::write(here.path().join(format!("{name}.toml")), scene).expect("written");
+        write(here.path(), &format!("{name}.toml"), scene);
         experiment += &format!("[[scene]]\nname = \"{name}.toml\"\n");
     }
-    fs::write(here.path().join("assets.toml"), experiment).expect("written");
+    write(here.path(), "assets.toml", experiment);
     let table = stdout(halfshade(here.path()).args(["run", "assets.toml"]));
     for mesh in &meshes {
         let name = mesh.file_stem().expect("a name").to_string_lossy();
@@ -172,7 +172,7 @@ fn cosine_lobes_follow_captured_light() {
         let light = format!("{}{projection}", probe.display());
         experiment += &format!("[[scene]]\nname = {mesh:?}\nenvironment = {light:?}\nspheres = 16\n");
     }
-    fs::write(here.path().join("probes.toml"), experiment).expect("written");
+    write(here.path(), "probes.toml", experiment);
     stdout(halfshade(here.path()).args(["run", "probes.toml"]));
     let text = fs::read_to_string(here.path().join("out/probes/results.json")).expect("read");
     let results: serde_json::Value = serde_json::from_str(&text).expect("JSON");

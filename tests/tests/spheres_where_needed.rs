@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{folder, halfshade};
+use common::{folder, halfshade, write};
 use std::{fs, path::Path};
 
 /// How many sets a cache holds.
@@ -20,7 +20,7 @@ fn sets(cache: &Path) -> usize {
 #[test]
 fn sets_are_built_for_those_who_read_them() {
     let here = folder();
-    fs::write(here.path().join("s.toml"), "[[object]]\nshape = \"box\"\nspheres = 2\n").expect("written");
+    write(here.path(), "s.toml", "[[object]]\nshape = \"box\"\nspheres = 2\n");
     let cache = here.path().join("cache");
     let run = |arguments: &[&str]| {
         let always = ["s.toml", "--resolution", "8x6", "-o", "p.exr", "--cache", "cache"];
@@ -39,7 +39,7 @@ fn sets_are_built_for_those_who_read_them() {
         )
     };
     for (references, expected) in [("\"mesh\"", 0), ("\"mesh\", \"spheres\"", 1)] {
-        fs::write(here.path().join("e.toml"), experiment(references)).expect("written");
+        write(here.path(), "e.toml", experiment(references));
         let cache = format!("cache-{expected}");
         halfshade(here.path())
             .args(["run", "e.toml", "--out", &format!("out-{expected}"), "--cache", &cache])

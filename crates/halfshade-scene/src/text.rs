@@ -4,7 +4,7 @@ use crate::{SceneError, input};
 use std::path::Path;
 
 /// The UTF-8 byte-order mark.
-const MARK: &[u8] = b"\xef\xbb\xbf";
+pub const MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// A text file as a whole. Errors name the file.
 pub fn read(path: &Path) -> Result<String, SceneError> {

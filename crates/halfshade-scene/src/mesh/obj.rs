@@ -107,7 +107,7 @@ impl<'a> Reader<'a> {
             return Ok(());
         };
         // A file may be several that were joined.
-        if let Some(rest) = keyword.strip_prefix(b"\xef\xbb\xbf") {
+        if let Some(rest) = keyword.strip_prefix(text::MARK) {
             keyword = rest;
         }
         match keyword {

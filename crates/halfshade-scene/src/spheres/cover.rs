@@ -21,7 +21,7 @@ const FEW: usize = 6;
 pub(super) fn violation(triangles: &[Triangle], balls: &[Ball], tolerance: f64) -> f64 {
     let of_triangle = |triangle: &Triangle| {
         let mut largest = 0.0f64;
-        each_leaf(triangle, balls, tolerance, |leaf, near| {
+        each_leaf(triangle, &|k| balls[k], candidates(triangle, balls), tolerance, |leaf, near| {
             let missing = near.iter().map(|&k| balls[k as usize].missing(leaf)).fold(f64::INFINITY, f64::min);
             largest = largest.max(missing);
         });
@@ -35,7 +35,7 @@ pub(super) fn violation(triangles: &[Triangle], balls: &[Ball], tolerance: f64) 
 pub(super) fn uncovered_points(triangles: &[Triangle], balls: &[Ball], tolerance: f64) -> Vec<DVec3> {
     let of_triangle = |triangle: &Triangle| {
         let mut points = Vec::new();
-        each_leaf(triangle, balls, tolerance, |leaf, near| {
+        each_leaf(triangle, &|k| balls[k], candidates(triangle, balls), tolerance, |leaf, near| {
             points.extend(leaf.iter().filter(|p| !near.iter().any(|&k| balls[k as usize].contains(**p))));
         });
         points
@@ -64,28 +64,31 @@ pub(super) fn grow_to_cover(
     let fixed = &*balls;
     let open: Vec<&Triangle> = triangles.par_iter().filter(|triangle| is_open(triangle, fixed, tolerance)).collect();
     for triangle in open {
-        let mut near = candidates(triangle, balls);
+        let near = candidates(triangle, balls);
         // Cells, since what has grown for one leaf holds whole pieces after it, which are then not cut into leaves.
-        let balls = Cell::from_mut(balls).as_slice_of_cells();
-        let _ = leaves(*triangle, &|k| balls[k].get(), &mut near, 0, tolerance, &mut |leaf, _| {
-            let missing = |k: usize| balls[k].get().missing(leaf);
-            if (0..balls.len()).all(|k| missing(k) > 0.0) {
-                // Judged by the radii before: a ball that has just grown would look nearest to every next leaf and creep.
-                let need = |k: usize| missing(k) + (balls[k].get().radius - before[k]);
-                let Some(nearest) = (0..balls.len()).min_by(|&a, &b| need(a).total_cmp(&need(b))) else {
-                    return ControlFlow::Break(());
-                };
-                // More than once only where the sum is an ulp short.
-                while missing(nearest) > 0.0 {
-                    let Ball { center, radius } = balls[nearest].get();
-                    let radius = round_up((radius + missing(nearest)).max(radius * (1.0 + f64::EPSILON)));
-                    balls[nearest].set(Ball { center, radius });
-                }
-            }
-            ControlFlow::Continue(())
+        let balls = Cell::from_mut(&mut *balls).as_slice_of_cells();
+        each_leaf(triangle, &|k| balls[k].get(), near, tolerance, |leaf, _| {
+            grow_to_hold(leaf, balls, &before, &round_up);
         });
     }
     balls.iter().zip(before).map(|(ball, before)| ball.radius - before).fold(0.0, f64::max)
+}
+
+/// Grows the ball that needs to grow least, until it holds the leaf; none if one holds it already.
+fn grow_to_hold(leaf: &Triangle, balls: &[Cell<Ball>], before: &[f64], round_up: &impl Fn(f64) -> f64) {
+    let missing = |k: usize| balls[k].get().missing(leaf);
+    if (0..balls.len()).any(|k| missing(k) <= 0.0) {
+        return;
+    }
+    // Judged by the radii before: a ball that has just grown would look nearest to every next leaf and creep.
+    let need = |k: usize| missing(k) + (balls[k].get().radius - before[k]);
+    let Some(nearest) = (0..balls.len()).min_by(|&a, &b| need(a).total_cmp(&need(b))) else { return };
+    // More than once only where the sum is an ulp short.
+    while missing(nearest) > 0.0 {
+        let Ball { center, radius } = balls[nearest].get();
+        let radius = round_up((radius + missing(nearest)).max(radius * (1.0 + f64::EPSILON)));
+        balls[nearest].set(Ball { center, radius });
+    }
 }
 
 impl Ball {
@@ -115,10 +118,15 @@ fn is_open(triangle: &Triangle, balls: &[Ball], tolerance: f64) -> bool {
     leaves(*triangle, &|k| balls[k], &mut candidates(triangle, balls), 0, tolerance, first).is_break()
 }
 
-/// Calls `visit` with every leaf that no single ball holds, and the balls that may be the nearest to it.
-fn each_leaf(triangle: &Triangle, balls: &[Ball], tolerance: f64, mut visit: impl FnMut(&Triangle, &[u32])) {
-    let mut near = candidates(triangle, balls);
-    let _ = leaves(*triangle, &|k| balls[k], &mut near, 0, tolerance, &mut |leaf, near| {
+/// Calls `visit` with every leaf that no single ball holds, and those of `near` that may be the nearest to it.
+fn each_leaf(
+    triangle: &Triangle,
+    ball: &impl Fn(usize) -> Ball,
+    mut near: Vec<u32>,
+    tolerance: f64,
+    mut visit: impl FnMut(&Triangle, &[u32]),
+) {
+    let _ = leaves(*triangle, ball, &mut near, 0, tolerance, &mut |leaf, near| {
         visit(leaf, near);
         ControlFlow::Continue(())
     });
