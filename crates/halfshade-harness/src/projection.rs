@@ -3,7 +3,7 @@
 use crate::image_io::Picture;
 use glam::Vec3;
 use halfshade_scene::{Camera, Frame, RadianceBuffer, ReceiverBuffer};
-use halfshade_truth::{Surface, Tracer};
+use halfshade_truth::Tracer;
 
 /// Camera rays per pixel and axis where receivers are vertices: edges are smoothed, at no cost in receivers.
 const SUPERSAMPLE: u32 = 2;
@@ -51,8 +51,7 @@ impl Projection {
             let pixel = row * width + column;
             let Some(hit) = &hits[pixel] else { continue };
             let direction = camera.ray_direction(column as f32 + 0.5, row as f32 + 0.5);
-            let Surface { position, normal, albedo, gloss, object } = tracer.surface_at(hit, direction);
-            receivers.push_glossy(position, normal, albedo, object, gloss);
+            receivers.add(&tracer.receiver_at(hit, direction));
             samples[pixel] = Some(([receivers.len() as u32 - 1; 3], Vec3::X));
         }
         (receivers, Self { width, height, supersample: 1, samples })

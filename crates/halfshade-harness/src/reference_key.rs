@@ -30,7 +30,8 @@ fn of_options(key: CacheKey, options: &Options) -> CacheKey {
 }
 
 fn of_receivers(key: CacheKey, receivers: Receivers<'_>) -> CacheKey {
-    let Receivers { position, normal, albedo, object, index, specular_factor, exponent_factor } = receivers;
+    // Where on the mesh a receiver lies is for what is baked per vertex: the truth goes by its position.
+    let Receivers { position, normal, albedo, object, surface: _, index, specular_factor, exponent_factor } = receivers;
     key.value(&(position, normal, albedo, object, index, specular_factor, exponent_factor))
 }
 

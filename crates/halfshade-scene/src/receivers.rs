@@ -1,6 +1,6 @@
 //! Receivers: the points whose outgoing radiance is asked for, as structures of arrays.
 
-use crate::{Frame, Gloss};
+use crate::{Frame, Gloss, SurfacePoint};
 use glam::{Mat3, Vec3};
 use std::ops::Range;
 
@@ -15,6 +15,8 @@ pub struct ReceiverBuffer {
     pub albedo: [Vec<f32>; 3],
     /// The object each receiver lies on.
     pub object: Vec<u32>,
+    /// Where on that object.
+    pub surface: Vec<SurfacePoint>,
     /// A number that is stable within the scene: for a vertex receiver its vertex, counted over all objects.
     pub index: Vec<u32>,
     /// Factors of the specular scale, red, green, blue ([`Gloss`]); empty unless gloss varies over some object.
@@ -34,12 +36,31 @@ pub struct Receivers<'a> {
     pub albedo: [&'a [f32]; 3],
     /// The object each receiver lies on.
     pub object: &'a [u32],
+    /// Where on that object.
+    pub surface: &'a [SurfacePoint],
     /// Stable numbers.
     pub index: &'a [u32],
     /// Factors of the specular scale; all empty unless gloss varies over some object. See [`Receivers::gloss_at`].
     pub specular_factor: [&'a [f32]; 3],
     /// Factor of the exponents; empty unless gloss varies over some object.
     pub exponent_factor: &'a [f32],
+}
+
+/// One receiver.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReceiverPoint {
+    /// Position in world space.
+    pub position: Vec3,
+    /// Unit normal in world space.
+    pub normal: Vec3,
+    /// Albedo.
+    pub albedo: Vec3,
+    /// Gloss, relative to the material of its object.
+    pub gloss: Gloss,
+    /// The object that it lies on.
+    pub object: u32,
+    /// Where on that object.
+    pub surface: SurfacePoint,
 }
 
 impl ReceiverBuffer {
@@ -51,6 +72,7 @@ impl ReceiverBuffer {
             normal: std::array::from_fn(|_| vec![0.0; count]),
             albedo: std::array::from_fn(|_| Vec::with_capacity(count)),
             object: Vec::with_capacity(count),
+            surface: Vec::with_capacity(count),
             index: (0..count as u32).collect(),
             ..Self::default()
         };
@@ -60,6 +82,7 @@ impl ReceiverBuffer {
                 let albedo = object.albedo_at_vertex(vertex);
                 buffer.albedo.iter_mut().zip(albedo.to_array()).for_each(|(channel, value)| channel.push(value));
                 buffer.object.push(number as u32);
+                buffer.surface.push(SurfacePoint::Vertex(vertex as u32));
             }
         }
         if frame.scene.objects.iter().any(|object| object.material.varied_gloss().is_some()) {
@@ -106,26 +129,15 @@ impl ReceiverBuffer {
         }
     }
 
-    /// Receivers from finished arrays; `None` if their lengths differ.
-    pub fn from_parts(
-        position: [Vec<f32>; 3],
-        normal: [Vec<f32>; 3],
-        albedo: [Vec<f32>; 3],
-        object: Vec<u32>,
-        index: Vec<u32>,
-    ) -> Option<Self> {
-        let mut components = position.iter().chain(&normal).chain(&albedo);
-        let fits = index.len() == object.len() && components.all(|component| component.len() == object.len());
-        fits.then_some(Self { position, normal, albedo, object, index, ..Self::default() })
-    }
-
-    /// Adds one receiver; its stable number is its place.
+    /// Adds a receiver that lies nowhere on its object's mesh; its stable number is its place.
     pub fn push(&mut self, position: Vec3, normal: Vec3, albedo: Vec3, object: u32) {
-        self.push_glossy(position, normal, albedo, object, Gloss::NEUTRAL);
+        let surface = SurfacePoint::Elsewhere;
+        self.add(&ReceiverPoint { position, normal, albedo, gloss: Gloss::NEUTRAL, object, surface });
     }
 
-    /// Adds one receiver whose gloss may differ from its material's.
-    pub fn push_glossy(&mut self, position: Vec3, normal: Vec3, albedo: Vec3, object: u32, gloss: Gloss) {
+    /// Adds a receiver; its stable number is its place.
+    pub fn add(&mut self, receiver: &ReceiverPoint) {
+        let &ReceiverPoint { position, normal, albedo, gloss, object, surface } = receiver;
         if gloss != Gloss::NEUTRAL || !self.exponent_factor.is_empty() {
             // Up to the first that differs, none was stored.
             while self.exponent_factor.len() < self.len() {
@@ -135,6 +147,7 @@ impl ReceiverBuffer {
         }
         self.index.push(self.object.len() as u32);
         self.object.push(object);
+        self.surface.push(surface);
         for axis in 0..3 {
             self.position[axis].push(position[axis]);
             self.normal[axis].push(normal[axis]);
@@ -151,6 +164,7 @@ impl ReceiverBuffer {
             normal: receivers.normal.map(of),
             albedo: receivers.albedo.map(of),
             object: whole(receivers.object),
+            surface: places.iter().map(|&place| receivers.surface[place as usize]).collect(),
             index: whole(receivers.index),
             specular_factor: receivers
                 .specular_factor
@@ -167,6 +181,7 @@ impl ReceiverBuffer {
     pub fn clear(&mut self) {
         self.position.iter_mut().chain(&mut self.normal).chain(&mut self.albedo).for_each(Vec::clear);
         self.object.clear();
+        self.surface.clear();
         self.index.clear();
         self.specular_factor.iter_mut().for_each(Vec::clear);
         self.exponent_factor.clear();
@@ -189,6 +204,7 @@ impl ReceiverBuffer {
             normal: self.normal.each_ref().map(Vec::as_slice),
             albedo: self.albedo.each_ref().map(Vec::as_slice),
             object: &self.object,
+            surface: &self.surface,
             index: &self.index,
             specular_factor: self.specular_factor.each_ref().map(Vec::as_slice),
             exponent_factor: &self.exponent_factor,
@@ -214,6 +230,7 @@ impl<'a> Receivers<'a> {
             normal: self.normal.map(|axis| &axis[range.clone()]),
             albedo: self.albedo.map(|channel| &channel[range.clone()]),
             object: &self.object[range.clone()],
+            surface: &self.surface[range.clone()],
             index: &self.index[range.clone()],
             specular_factor: self.specular_factor.map(|channel| part(channel, &range)),
             exponent_factor: part(self.exponent_factor, &range),
@@ -233,6 +250,18 @@ impl<'a> Receivers<'a> {
     /// Albedo of receiver `i`.
     pub fn albedo_at(&self, i: usize) -> Vec3 {
         Vec3::from(self.albedo.map(|channel| channel[i]))
+    }
+
+    /// Receiver `i` as a whole.
+    pub fn at(&self, i: usize) -> ReceiverPoint {
+        ReceiverPoint {
+            position: self.position_at(i),
+            normal: self.normal_at(i),
+            albedo: self.albedo_at(i),
+            gloss: self.gloss_at(i),
+            object: self.object[i],
+            surface: self.surface[i],
+        }
     }
 
     /// Gloss of receiver `i`, relative to the material of its object.
@@ -363,6 +392,7 @@ mod tests {
                 let color = mesh.colors.get(vertex).copied().unwrap_or(Vec3::ONE);
                 assert_eq!(buffer.view().albedo_at(receiver), color * object.material.albedo);
                 assert_eq!((buffer.object[receiver], buffer.index[receiver]), (number as u32, receiver as u32));
+                assert_eq!(buffer.surface[receiver], SurfacePoint::Vertex(vertex as u32));
                 receiver += 1;
             }
         }
@@ -389,23 +419,13 @@ mod tests {
         let gloss = Gloss { specular: Vec3::new(0.1, 0.2, 0.3), exponent: 0.5 };
         buffer.push(Vec3::ZERO, Vec3::Y, Vec3::ONE, 0);
         assert!(buffer.exponent_factor.is_empty());
-        buffer.push_glossy(Vec3::ZERO, Vec3::Y, Vec3::ONE, 0, gloss);
+        let glossy = ReceiverPoint { gloss, ..buffer.view().at(0) };
+        buffer.add(&glossy);
         buffer.push(Vec3::ZERO, Vec3::Y, Vec3::ONE, 0);
         let found = [0, 1, 2].map(|i| buffer.view().gloss_at(i));
         assert_eq!(found, [Gloss::NEUTRAL, gloss, Gloss::NEUTRAL]);
+        assert_eq!(buffer.view().at(1), glossy);
         assert_eq!(buffer.view().slice(1..3).gloss_at(0), gloss);
-    }
-
-    #[test]
-    fn parts_of_unequal_length_are_refused() {
-        let three = || std::array::from_fn(|_| vec![0.5f32; 2]);
-        let whole = ReceiverBuffer::from_parts(three(), three(), three(), vec![0, 1], vec![7, 9]).unwrap();
-        assert_eq!(rows(&whole.view())[1], (Vec3::splat(0.5), Vec3::splat(0.5), Vec3::splat(0.5), 1, 9));
-        let mut short = three();
-        short[2].pop();
-        assert!(ReceiverBuffer::from_parts(three(), short, three(), vec![0, 1], vec![7, 9]).is_none());
-        assert!(ReceiverBuffer::from_parts(three(), three(), three(), vec![0, 1], vec![7]).is_none());
-        assert!(ReceiverBuffer::from_parts(three(), three(), three(), vec![0], vec![7]).is_none());
     }
 
     #[test]

@@ -60,4 +60,4 @@ mod triangle;
 pub use estimate::{DRAWS, Estimate, Geometry, MAX_SAMPLES, Options, REPLICATES, Transport, estimate};
 pub use hiders::{Hider, LEAST_SHARE, hiders};
 pub use shadow_rays::{ShadowRay, shadow_rays};
-pub use tracer::{Hit, Surface, Tracer};
+pub use tracer::{Hit, Tracer};

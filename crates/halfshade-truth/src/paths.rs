@@ -238,7 +238,7 @@ impl<'a> Paths<'a> {
         match self.options.geometry {
             Geometry::Mesh => {
                 let hit = self.tracer.first_hit(from, direction.into())?;
-                let surface = self.tracer.surface_at(&hit, direction);
+                let surface = self.tracer.receiver_at(&hit, direction);
                 let receiver = self.tracer.receiver(surface.position, surface.normal);
                 let lobes = self.lobes(surface.object, surface.gloss, &receiver, direction);
                 Some(Met { receiver, albedo: surface.albedo.as_dvec3(), lobes })

@@ -8,7 +8,7 @@ use crate::{
     triangle::{ShearedRay, Slack, Triangle},
 };
 use glam::{DVec3, Vec3, Vec3A};
-use halfshade_scene::{Camera, EyeLobes, Frame, Gloss, Object, Pose, ReceiverBuffer};
+use halfshade_scene::{Camera, EyeLobes, Frame, Object, Pose, ReceiverBuffer, ReceiverPoint, SurfacePoint};
 use obvhs::{
     Boundable, BvhBuildParams,
     aabb::Aabb,
@@ -29,21 +29,6 @@ pub struct Hit {
     pub barycentrics: DVec3,
     /// Distance from the ray's origin, in lengths of its direction.
     pub distance: f64,
-}
-
-/// A surface point, interpolated over the triangle that a ray hit: what a receiver is made of.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Surface {
-    /// Position in world space.
-    pub position: Vec3,
-    /// Unit shading normal in world space, on the side that the ray came from if the mesh is seen from behind.
-    pub normal: Vec3,
-    /// Albedo.
-    pub albedo: Vec3,
-    /// Gloss, relative to the object's material.
-    pub gloss: Gloss,
-    /// The object's place in `scene.objects`.
-    pub object: u32,
 }
 
 /// One frame of a scene, ready for rays: the triangles of all objects in one hierarchy, the spheres, and the light.
@@ -265,8 +250,9 @@ impl Tracer {
             .collect()
     }
 
-    /// The surface point of a hit: position, normal and albedo interpolated over the triangle. `direction` is the ray's.
-    pub fn surface_at(&self, hit: &Hit, direction: Vec3) -> Surface {
+    /// The receiver at a hit: position, normal and albedo interpolated over the triangle. `direction` is the ray's; the
+    /// normal is on the side that it came from.
+    pub fn receiver_at(&self, hit: &Hit, direction: Vec3) -> ReceiverPoint {
         let (object, pose) = &self.objects[hit.object as usize];
         let (mesh, weights) = (&object.mesh, hit.barycentrics.to_array());
         let vertices = mesh.triangles[hit.triangle as usize].map(|v| v as usize);
@@ -279,13 +265,18 @@ impl Tracer {
         let normal = blend(&|v| pose.transform_direction(mesh.normals[v])).normalize_or(face).as_vec3();
         // Towards where the ray came from, whichever way the mesh's normals and its winding say is outside.
         let toward = if face.dot(direction.as_dvec3()) > 0.0 { -face } else { face };
-        let turned = normal.as_dvec3().dot(toward) < 0.0;
-        Surface {
+        let from_behind = normal.as_dvec3().dot(toward) < 0.0;
+        ReceiverPoint {
             position,
-            normal: if turned { -normal } else { normal },
+            normal: if from_behind { -normal } else { normal },
             albedo: object.albedo_at(hit.triangle as usize, hit.barycentrics),
             gloss: object.gloss_at(hit.triangle as usize, hit.barycentrics),
             object: hit.object,
+            surface: SurfacePoint::Triangle {
+                triangle: hit.triangle,
+                barycentric: hit.barycentrics.as_vec3().to_array(),
+                from_behind,
+            },
         }
     }
 }

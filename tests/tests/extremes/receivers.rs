@@ -2,7 +2,7 @@
 
 use crate::{random::Random, scene::Drawn};
 use glam::{DVec3, Vec3};
-use halfshade_scene::{Frame, ReceiverBuffer, Receivers};
+use halfshade_scene::{Frame, ReceiverBuffer, ReceiverPoint, Receivers, SurfacePoint};
 
 /// Most vertices of a scene that are asked.
 const VERTICES: usize = 24;
@@ -63,13 +63,18 @@ pub(crate) fn at(frame: &Frame<'_>, places: &[Place]) -> ReceiverBuffer {
         };
         let position = mixed(&|v| pose.transform_point(frame.positions(object)[v])).as_vec3();
         let normal = mixed(&|v| pose.transform_direction(frame.normals(object)[v])).normalize_or(DVec3::Y).as_vec3();
-        buffer.push_glossy(
+        buffer.add(&ReceiverPoint {
             position,
             normal,
-            of.albedo_at(triangle, weights),
-            object as u32,
-            of.gloss_at(triangle, weights),
-        );
+            albedo: of.albedo_at(triangle, weights),
+            gloss: of.gloss_at(triangle, weights),
+            object: object as u32,
+            surface: SurfacePoint::Triangle {
+                triangle: triangle as u32,
+                barycentric: weights.as_vec3().to_array(),
+                from_behind: false,
+            },
+        });
     }
     buffer
 }

@@ -17,15 +17,15 @@
 //!
 //! Reflected light has a ratio of its own, see [`Cuts::set_reflection_ratios`].
 //!
-//! A receiver belongs to the cluster of its object with the nearest centre, which is how clusters are made: points between
-//! vertices find theirs too.
+//! A receiver belongs to the cluster of the vertex next to it.
 
 use super::{
     blockers::Blocker,
+    clusters::ObjectClusters,
     levels::{Level, Levels},
 };
 use glam::{DMat3, DQuat, DVec3, Vec3};
-use halfshade_scene::{Deformed, Frame, Object, Pose, Receivers, Scene, Sphere, cluster, clusters::bounding_sphere};
+use halfshade_scene::{Frame, Object, Pose, Receivers, Sphere};
 use halfshade_sh::{
     blocker_table::BlockerTable,
     kernel::{self, MAX_BANDS},
@@ -67,93 +67,13 @@ pub(super) struct CutSettings {
     pub(super) bands: usize,
 }
 
-/// Receivers per cluster of an object that doesn't say how many clusters it has: the thesis's scenes have 400 to 800.
-const RECEIVERS_PER_CLUSTER: usize = 600;
-
-/// Fewest receivers per cluster, and most clusters, of such an object.
-const FEWEST_PER_CLUSTER: usize = 16;
-const MOST_CLUSTERS: usize = 256;
-
-/// A cluster of an object's receivers, in the object's space.
-#[derive(Debug, Clone)]
-pub(super) struct ReceiverCluster {
-    bound: Sphere,
-    /// Unit mean of its receivers' normals; any if they cancel.
-    normal: DVec3,
-    /// Its vertices, if they move within the object.
-    members: Vec<u32>,
-}
-
-impl ReceiverCluster {
-    /// The cluster with its vertices where they are now.
-    fn followed(&self, deformed: Option<&Deformed>) -> Self {
-        let Some(deformed) = deformed.filter(|_| !self.members.is_empty()) else { return self.clone() };
-        let of = |list: &[Vec3]| self.members.iter().map(|&v| list[v as usize].as_dvec3()).collect::<Vec<_>>();
-        let (center, radius) = bounding_sphere(&of(&deformed.positions));
-        let normal = of(&deformed.normals).iter().sum::<DVec3>().normalize_or(DVec3::Y);
-        Self { bound: Sphere { center: center.as_vec3(), radius: radius as f32 }, normal, members: Vec::new() }
-    }
-}
-
-/// The receiver clusters of every object; none if cuts are the same everywhere.
-pub(super) fn clusters(scene: &Scene, choice: Choice) -> Vec<Vec<ReceiverCluster>> {
-    if choice == Choice::Leaves {
-        return Vec::new();
-    }
-    let sizes: Vec<Option<f64>> = (scene.objects.iter().zip(scene.frame(0).world_from_object))
-        .map(|(object, pose)| size(object, &pose))
-        .collect();
-    let of = |(number, object): (usize, &Object)| {
-        let count = match object.cluster_count {
-            0 => default_count(scene, number, &sizes),
-            count => count,
-        };
-        let clusters = cluster(&object.mesh.positions, count, 0);
-        let mut normals = vec![DVec3::ZERO; clusters.bounds.len()];
-        for (normal, &own) in object.mesh.normals.iter().zip(&clusters.assignment) {
-            normals[own as usize] += normal.as_dvec3();
-        }
-        let mut members = vec![Vec::new(); clusters.bounds.len()];
-        if object.skin.is_some() {
-            for (vertex, &own) in clusters.assignment.iter().enumerate() {
-                members[own as usize].push(vertex as u32);
-            }
-        }
-        (clusters.bounds.into_iter().zip(normals).zip(members))
-            .map(|((bound, normal), members)| ReceiverCluster { bound, normal: normal.normalize_or(DVec3::Y), members })
-            .collect()
-    };
-    scene.objects.iter().enumerate().map(of).collect()
-}
-
-/// Half the diagonal of an object's box in the world.
-fn size(object: &Object, pose: &Pose) -> Option<f64> {
-    let (low, high) = object.mesh.bounds()?;
-    let size = 0.5 * f64::from(pose.scale) * (high - low).as_dvec3().length();
-    (size > 0.0 && size.is_finite()).then_some(size)
-}
-
-/// How many clusters an object has that doesn't say.
-///
-/// From within a cluster that surrounds a blocker no sphere of it is small: a cluster is to be no larger than the smallest
-/// other object that blocks, so that a wide ground has near and far parts. That is the squared ratio of their sizes for a
-/// surface; but no fewer than its vertices ask for, and no more than they can fill.
-fn default_count(scene: &Scene, number: usize, sizes: &[Option<f64>]) -> usize {
-    let receivers = scene.objects[number].mesh.positions.len();
-    let others = scene.objects.iter().enumerate().filter(|&(other, object)| other != number && object.sphere_count > 0);
-    let smallest = others.filter_map(|(other, _)| sizes[other]).reduce(f64::min);
-    let by_size = sizes[number].zip(smallest).map_or(0.0, |(own, smallest)| (own / smallest).powi(2).ceil());
-    let most = receivers.div_ceil(FEWEST_PER_CLUSTER).min(MOST_CLUSTERS);
-    (by_size as usize).min(most).max(receivers.div_ceil(RECEIVERS_PER_CLUSTER))
-}
-
 /// The cuts of a frame, in the space of the light: turned like the environment, so that its tables hold for every turn, and
 /// about a centre within the scene, so that single precision is spent on the scene alone.
 #[derive(Debug, Clone)]
 pub(super) struct Cuts {
     cuts: Vec<Vec<Blocker>>,
-    /// Per object the centres of its clusters and their cuts; none if there is one cut for all.
-    clusters: Vec<Vec<([f32; 3], u32)>>,
+    /// Per object its clusters where they are; none if there is one cut for all.
+    clusters: Vec<PlacedClusters>,
     /// Cuts of the receivers around each sphere of every level, in the order of the emitters.
     of_emitters: Vec<u32>,
     /// Clusters whose cut has parents in it, if ratios are wanted.
@@ -166,6 +86,15 @@ pub(super) struct Cuts {
     /// A space that turns with what blocks, that of the first object with spheres, from light space: what is sampled in fixed
     /// directions there doesn't change when light and scene are turned, however the light's turn is described.
     pub(super) blockers_from_light: DMat3,
+}
+
+/// The clusters of an object in light space.
+#[derive(Debug, Clone)]
+struct PlacedClusters {
+    object: Arc<ObjectClusters>,
+    centers: Vec<Vec3>,
+    /// The cut of the first; those of the others follow.
+    first_cut: u32,
 }
 
 /// A cut with parents in it, beside its refinement.
@@ -218,7 +147,7 @@ impl Cuts {
     pub(super) fn new(
         frame: &Frame<'_>,
         levels: &mut Levels,
-        clusters: &[Vec<ReceiverCluster>],
+        clusters: &[Arc<ObjectClusters>],
         logs: Option<&BlockerTable>,
         settings: &CutSettings,
     ) -> Result<Self, StrategyError> {
@@ -269,13 +198,14 @@ impl Cuts {
         };
         let blockers = |cut: &[(usize, Blocker)]| cut.iter().map(|(_, blocker)| *blocker).collect();
         for (number, (clusters, pose)) in clusters.iter().zip(&frame.world_from_object).enumerate() {
-            let mut of_object = Vec::new();
-            for cluster in clusters.iter().map(|cluster| cluster.followed(frame.deformed(number))) {
+            let first_cut = cuts.cuts.len() as u32;
+            let mut centers = Vec::new();
+            for cluster in clusters.followed(frame.deformed(number)) {
                 let (place, radius) = placed(&cluster.bound, pose);
                 let place = rotation * (place - center);
                 let (number, cut) = (cuts.cuts.len(), cut(place, radius));
+                centers.push(place.as_vec3());
                 let place = place.as_vec3().to_array();
-                of_object.push((place, number as u32));
                 let (mut refined, mut origin) = (Vec::new(), Vec::new());
                 for (place, (object, blocker)) in cut.iter().enumerate() {
                     refined.extend(objects[*object].children_of(blocker));
@@ -287,7 +217,7 @@ impl Cuts {
                 }
                 cuts.cuts.push(blockers(&cut));
             }
-            cuts.clusters.push(of_object);
+            cuts.clusters.push(PlacedClusters { object: clusters.clone(), centers, first_cut });
         }
         if cuts.cuts.is_empty() {
             // No cluster, no receiver: but there is always a first cut.
@@ -364,17 +294,27 @@ impl Cuts {
             return None;
         }
         let of_cluster = |i: usize| {
-            let position = self.rotation * (receivers.position_at(i).as_dvec3() - self.center);
-            let position = position.as_vec3();
             let clusters = self.clusters.get(receivers.object[i] as usize)?;
-            let distance = |center: &[f32; 3]| position.distance_squared(glam::Vec3::from(*center));
-            clusters.iter().min_by(|a, b| distance(&a.0).total_cmp(&distance(&b.0))).map(|cluster| cluster.1)
+            let cluster = clusters.object.of(receivers.surface[i]).or_else(|| {
+                let position = self.rotation * (receivers.position_at(i).as_dvec3() - self.center);
+                clusters.nearest(position.as_vec3())
+            });
+            Some(clusters.first_cut + cluster?)
         };
         let of = |i: usize| match whose {
             CutOf::Cluster => of_cluster(i).unwrap_or(0),
             CutOf::Emitter(numbers) => self.of_emitters[numbers[i] as usize],
         };
         Some((0..receivers.len()).map(of).collect())
+    }
+}
+
+impl PlacedClusters {
+    /// The cluster with the nearest centre: for receivers that lie nowhere on the mesh.
+    fn nearest(&self, position: Vec3) -> Option<u32> {
+        let distance = |number: &usize| position.distance_squared(self.centers[*number]);
+        let nearest = (0..self.centers.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        nearest.map(|number| number as u32)
     }
 }
 
@@ -502,7 +442,10 @@ fn add_log<const N: usize>(logs: &BlockerTable, blocker: &Blocker, place: [f32; 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{sh_exp::levels::Overlap, test_scenes::with_spheres};
+    use crate::{
+        sh_exp::{clusters, levels::Overlap},
+        test_scenes::with_spheres,
+    };
     use halfshade_scene::{Environment, Motion, ReceiverBuffer, SphereSet, builtin::shapes};
 
     /// A ball of 48 spheres stands on a ground 30 times as wide. Without a number of clusters most of the ground sees few of
@@ -525,14 +468,14 @@ mod tests {
         (ground.mesh, ground.sphere_count, ground.spheres) = (Arc::new(shapes::plane(64)), 0, None);
         ground.motion = Motion::Still(Pose { scale: 30.0, ..Pose::IDENTITY });
         scene.objects = vec![ball, ground];
-        let visited = |choice, clusters: usize| {
+        let visited = |choice, count: usize| {
             let mut scene = scene.clone();
-            scene.objects[1].cluster_count = clusters;
+            scene.objects[1].cluster_count = count;
             let mut levels = Levels::new(&scene, Overlap::Independent, Some(4));
             let threshold_sine = 15f64.to_radians().sin();
             let settings = CutSettings { choice, threshold_sine, ratios: false, reflection_ratios: None, bands: 4 };
             let frame = scene.frame(0);
-            let cuts = Cuts::new(&frame, &mut levels, &super::clusters(&scene, choice), None, &settings).unwrap();
+            let cuts = Cuts::new(&frame, &mut levels, &clusters::clusters(&scene), None, &settings).unwrap();
             let receivers = ReceiverBuffer::vertices(&frame);
             let first = scene.objects[0].mesh.positions.len();
             let numbers = cuts.of(receivers.view(), CutOf::Cluster).unwrap();

@@ -63,6 +63,7 @@
 //! 0.098 at 8); with 8/bands² it falls: 0.026, 0.020, 0.019.
 
 mod blockers;
+mod clusters;
 mod crossings;
 mod cuts;
 mod directions;
@@ -77,7 +78,8 @@ mod shade;
 mod sun_product;
 mod traced;
 
-use cuts::{Choice, CutOf, CutSettings, Cuts, ReceiverCluster, ReflectionRatios};
+use clusters::ObjectClusters;
+use cuts::{Choice, CutOf, CutSettings, Cuts, ReflectionRatios};
 use ground::Ground;
 use halfshade_scene::{
     Frame, Progress, RadianceBuffer, RadianceMut, ReceiverBuffer, Receivers, Scene, light::OctahedralGrid,
@@ -210,7 +212,7 @@ impl Strategy for ShExp {
             combination,
             light,
             levels,
-            clusters: cuts::clusters(scene, choice),
+            clusters: if choice == Choice::Leaves { Vec::new() } else { clusters::clusters(scene) },
             cut_settings: CutSettings {
                 choice,
                 threshold_sine: params.float("cut-angle").to_radians().sin(),
@@ -266,7 +268,7 @@ struct Prepared {
     light: LightProduct,
     levels: Levels,
     /// Receiver clusters, object by object.
-    clusters: Vec<Vec<ReceiverCluster>>,
+    clusters: Vec<Arc<ObjectClusters>>,
     cut_settings: CutSettings,
     cuts: Cuts,
     reflections: Option<Reflections>,

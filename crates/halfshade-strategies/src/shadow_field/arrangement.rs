@@ -1,9 +1,6 @@
 //! Where everything is in a frame: objects and lights in the space of the distant light, and who is near to whom.
 
-use super::{
-    basis::Ball,
-    vertices::{Between, Vertices},
-};
+use super::basis::Ball;
 use glam::{DMat3, DQuat, DVec3, Mat3, Vec3};
 use halfshade_scene::{EyeLobes, Frame, Mesh, Receivers, Scene, SphereLight};
 use halfshade_strategy::StrategyError;
@@ -12,10 +9,8 @@ use wide::f32x8;
 
 /// An object of the scene, as it stays.
 struct Body {
-    vertices: Arc<Vertices>,
+    mesh: Arc<Mesh>,
     ball: Ball,
-    /// Number of its first vertex among all.
-    first_vertex: u32,
     name: String,
 }
 
@@ -74,16 +69,10 @@ pub(super) struct Arrangement {
 }
 
 impl Arrangement {
-    /// Of the objects' vertices and balls.
-    pub(super) fn new(objects: impl Iterator<Item = (Arc<Vertices>, Ball)>, scene: &Scene) -> Self {
-        let mut first_vertex = 0;
-        let bodies = (objects.zip(&scene.objects))
-            .map(|((vertices, ball), object)| {
-                let name = object.name.clone();
-                let body = Body { vertices, ball, first_vertex, name };
-                first_vertex += object.mesh.positions.len() as u32;
-                body
-            })
+    /// Of the scene's objects, with their balls.
+    pub(super) fn new(scene: &Scene, balls: impl IntoIterator<Item = Ball>) -> Self {
+        let bodies = (scene.objects.iter().zip(balls))
+            .map(|(object, ball)| Body { mesh: object.mesh.clone(), ball, name: object.name.clone() })
             .collect();
         Self { bodies, ..Self::default() }
     }
@@ -147,7 +136,7 @@ impl Arrangement {
     /// Name and mesh of an object.
     pub(super) fn object(&self, number: usize) -> (&str, &Mesh) {
         let body = &self.bodies[number];
-        (&body.name, body.vertices.mesh())
+        (&body.name, &body.mesh)
     }
 
     /// A point of the world in light space.
@@ -206,24 +195,6 @@ impl Arrangement {
             _ => seen.is_around | from_outside,
         }
     }
-
-    /// Where on its `object` a receiver lies, `local` from the middle of its ball in object space. Its number is where one
-    /// looks first, for a vertex: it tells nothing else.
-    pub(super) fn between(&self, object: usize, receiver: ReceiverOn) -> Option<Between> {
-        let body = &self.bodies[object];
-        let guess = receiver.index.checked_sub(body.first_vertex).map(|vertex| vertex as usize);
-        let normal = self.places[object].turn() * receiver.normal;
-        body.vertices.find(guess, receiver.local + body.ball.center, normal)
-    }
-}
-
-/// A receiver as its object finds it.
-pub(super) struct ReceiverOn {
-    pub(super) index: u32,
-    /// From the middle of the object's ball, in object space.
-    pub(super) local: Vec3,
-    /// In light space.
-    pub(super) normal: Vec3,
 }
 
 #[inline(always)]

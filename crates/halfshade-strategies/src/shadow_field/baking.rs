@@ -5,7 +5,7 @@ use super::{
     basis::{Ball, Storage},
     field::{Field, Shells, Thinning, ball},
     traced::Traced,
-    vertices::{OwnRays, Vertices},
+    vertices::OwnRays,
 };
 use halfshade_scene::{
     Cache, Mesh, Progress, Scene,
@@ -80,14 +80,14 @@ impl Baking<'_> {
     ) -> Result<(KnownMeshes<S, O>, Arrangement), StrategyError> {
         progress.start("shadow fields", (scene.objects.len() * self.sampling.len()) as u64);
         let mut known: KnownMeshes<S, O> = Vec::new();
-        let mut bodies: Vec<(Arc<Vertices>, Ball)> = Vec::new();
+        let mut balls: Vec<Ball> = Vec::new();
         for object in &scene.objects {
             let mesh = &object.mesh;
             let before = &scene.objects[..known.len()];
             if let Some(same) = before.iter().position(|other| Arc::ptr_eq(&other.mesh, mesh)) {
                 progress.advance(self.sampling.len() as u64);
                 known.push(known[same].clone());
-                bodies.push(bodies[same].clone());
+                balls.push(balls[same]);
                 continue;
             }
             let (rays, ball) = (MeshRays::new(mesh), ball(mesh));
@@ -98,10 +98,9 @@ impl Baking<'_> {
                 (None, _) => (None, None),
             };
             known.push(Arc::new(Known { field, traced, own }));
-            let ball = ball.unwrap_or(Ball { center: glam::Vec3::ZERO, radius: 0.0 });
-            bodies.push((Arc::new(Vertices::new(mesh, ball.radius)), ball));
+            balls.push(ball.unwrap_or(Ball { center: glam::Vec3::ZERO, radius: 0.0 }));
         }
-        Ok((known, Arrangement::new(bodies.into_iter(), scene)))
+        Ok((known, Arrangement::new(scene, balls)))
     }
 }
 

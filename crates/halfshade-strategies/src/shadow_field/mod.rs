@@ -37,8 +37,8 @@
 //!
 //! **Limits.** Light and gloss are as sharp as bands or texels. Within the innermost shell a receiver lies between shell and
 //! centre; past the last one, what is blocked shrinks with the solid angle.
-//! A receiver between vertices interpolates what its object hides from them; with `own=projected`, where the normal is in
-//! it, only on the surface and with the surface's normal. Meshes that deform can't be modelled.
+//! A receiver between vertices interpolates what its object hides from them. From one that
+//! sees its surface from behind, or that lies nowhere on it, its own object hides nothing. Meshes that deform can't be modelled.
 
 mod adaptive;
 mod arrangement;

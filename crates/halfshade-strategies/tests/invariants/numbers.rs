@@ -45,8 +45,7 @@ fn pixels(scene: &Scene, resolution: [u32; 2]) -> ReceiverBuffer {
         let (column, row) = (pixel as u32 % resolution[0], pixel as u32 / resolution[0]);
         let direction = camera.ray_direction(column as f32 + 0.5, row as f32 + 0.5);
         if let Some(hit) = hit {
-            let surface = tracer.surface_at(hit, direction);
-            receivers.push(surface.position, surface.normal, surface.albedo, surface.object);
+            receivers.add(&tracer.receiver_at(hit, direction));
         }
     }
     receivers

@@ -201,7 +201,7 @@ fn hits_interpolate_the_surface() {
         let eye = (DVec3::new(0.0, 0.5, 0.0) + distance * direction).as_vec3();
         let towards = (Vec3::new(0.0, 0.5, 0.0) - eye).normalize();
         let hit = tracer.closest_hit(eye, towards).expect("the ball is in the way");
-        let surface = tracer.surface_at(&hit, towards);
+        let surface = tracer.receiver_at(&hit, towards);
         assert!((hit.distance - (distance - 0.5)).abs() < 1e-6 * distance.max(100.0), "{}", hit.distance);
         assert!((surface.position.distance(Vec3::new(0.0, 0.5, 0.0)) - 0.5).abs() < 1e-3);
         assert!(surface.normal.dot(direction.as_vec3()) > 0.99 && tracer.occluded(eye, towards));

@@ -170,7 +170,7 @@ fn surfaces_are_met_where_the_ray_meets_them() {
             let target = Vec3::new(0.2 + 0.01 * i as f32, 0.0, 0.7 - 0.013 * i as f32);
             let direction = (target - eye).normalize();
             let hit = tracer.closest_hit(eye, direction).unwrap();
-            let found = tracer.surface_at(&hit, direction).position.as_dvec3();
+            let found = tracer.receiver_at(&hit, direction).position.as_dvec3();
             let exact = eye.as_dvec3() - direction.as_dvec3() * (f64::from(eye.y) / f64::from(direction.y));
             assert!(hit.object == 0 && found.distance(exact.with_y(0.0)) < 1e-7, "{scale}: {found} {exact}");
             assert!(found.y == 0.0);

@@ -8,12 +8,12 @@ use super::{
     sum::Sum,
 };
 use crate::shadow_field::{
-    arrangement::{LightSeen, LocalLight, ReceiverOn},
+    arrangement::{LightSeen, LocalLight},
     baking::Source,
     traced::{self, Point},
 };
 use glam::Vec3;
-use halfshade_scene::{Lobes, RadianceMut, Receivers, lobe::MAX_LOBES};
+use halfshade_scene::{Lobes, RadianceMut, Receivers, SurfacePoint, lobe::MAX_LOBES};
 use halfshade_sh::haar::{product::product, transform};
 use std::{f32::consts::FRAC_1_PI, ops::Range};
 use wide::f32x8;
@@ -97,7 +97,7 @@ impl Order {
 struct Receiver {
     point: Point,
     position: [f32x8; 3],
-    index: u32,
+    surface: SurfacePoint,
     is_glossy: bool,
 }
 
@@ -118,7 +118,7 @@ impl Scratch {
             let receiver = Receiver {
                 point: Point { object, position: place, normal },
                 position: place.map(f32x8::splat),
-                index: receivers.index[i],
+                surface: receivers.surface[i],
                 is_glossy: !lobes.is_empty(),
             };
             if receiver.is_glossy {
@@ -181,11 +181,10 @@ impl Scratch {
 
     /// U of a receiver that only its own object hides from.
     fn start(&mut self, fields: &HaarFields, receiver: &Receiver) {
-        let Point { object, position, normal } = receiver.point;
+        let Point { object, normal, .. } = receiver.point;
         self.set_unit(fields, normal, receiver.is_glossy);
-        let local = fields.arrangement.places[object].point_in_object(position);
-        let on = ReceiverOn { index: receiver.index, local, normal };
-        if let Some(between) = fields.arrangement.between(object, on) {
+        let (_, mesh) = fields.arrangement.object(object);
+        if let Some(between) = receiver.surface.weights_in_front(mesh) {
             let own = &fields.known[object].own;
             between.parts().for_each(|(vertex, weight)| own.add(vertex, weight, &mut self.blocked));
             self.hide(fields, object);

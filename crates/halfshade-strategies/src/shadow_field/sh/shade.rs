@@ -2,7 +2,7 @@
 
 use super::{OwnKind, ShFields, gloss::GlossBatch, reach::Bound, shell::MOST};
 use crate::shadow_field::{
-    arrangement::{LightSeen, LocalLight, ReceiverOn},
+    arrangement::{LightSeen, LocalLight},
     baking::Source,
     basis::Basis,
     traced::{Point, reached as reached_together},
@@ -82,7 +82,7 @@ fn shade_object<const N: usize>(
             _ => Bound::diffuse(&cosine),
         });
         let bounds = &bounds[..count];
-        let own = own::<N>(fields, object, receivers, &position, &normals, lane);
+        let own = own::<N>(fields, object, receivers, lane);
         let mut units: Units<N> = [[f32x8::ZERO; N]; 1 + MAX_LOBES];
         let units = &mut units[..count];
         for (unit, bound) in units.iter_mut().zip(bounds) {
@@ -158,28 +158,22 @@ enum Own<const N: usize> {
     Transfer(ShBatch<N>, f32x8),
 }
 
-/// From the receivers' vertices.
+/// Interpolated between the vertices that the receivers lie between.
 fn own<const N: usize>(
     fields: &ShFields,
     object: usize,
     receivers: Receivers<'_>,
-    position: &[f32x8; 3],
-    normals: &[Vec3; LANES],
     lane: impl Fn(usize) -> usize,
 ) -> Own<N> {
-    let (known, arrangement) = (&fields.known[object], &fields.arrangement);
+    let (known, (_, mesh)) = (&fields.known[object], fields.arrangement.object(object));
     let mut vector = [[0.0_f32; LANES]; N];
     let mut found = [0.0_f32; LANES];
-    let points = arrangement.places[object].in_object(position).map(f32x8::to_array);
     for k in 0..LANES {
-        let local = Vec3::from(points.map(|axis| axis[k]));
-        let receiver = ReceiverOn { index: receivers.index[lane(k)], local, normal: normals[k] };
-        if let Some(between) = arrangement.between(object, receiver) {
-            for (vertex, weight) in between.parts() {
-                vector.iter_mut().zip(&known.own[vertex * N..]).for_each(|(row, &value)| row[k] += weight * value);
-            }
-            found[k] = f32::from(u8::from(between.is_there));
+        let Some(between) = receivers.surface[lane(k)].weights_in_front(mesh) else { continue };
+        for (vertex, weight) in between.parts() {
+            vector.iter_mut().zip(&known.own[vertex * N..]).for_each(|(row, &value)| row[k] += weight * value);
         }
+        found[k] = 1.0;
     }
     let vector = turned(&vector.map(f32x8::from), &fields.rotations[object]);
     match fields.own_kind {
