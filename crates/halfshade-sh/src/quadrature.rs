@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 use std::num::NonZeroUsize;
 
 /// `count` unit directions of equal area 4π/count, on a spiral about the y axis that turns by the golden angle.
-pub fn golden_spiral(count: usize) -> impl Iterator<Item = [f64; 3]> {
+pub fn golden_spiral(count: usize) -> impl ExactSizeIterator<Item = [f64; 3]> {
     let turn = PI * (3.0 - 5.0_f64.sqrt());
     (0..count).map(move |i| {
         let y = 1.0 - (2.0 * i as f64 + 1.0) / count as f64;

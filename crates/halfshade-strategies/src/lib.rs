@@ -1,13 +1,11 @@
 //! The methods under comparison, one folder each. They never import each other: what two need lives in `halfshade-scene`
-//! or `halfshade-sh`; what needs a crate that neither has, beside them here.
+//! or `halfshade-sh`; what neither can have, in `shared`.
 
 pub mod cosine_lobe;
 pub mod ray_traced;
 pub mod sh_exp;
 pub mod shadow_field;
-#[cfg(test)]
-mod test_scenes;
-mod triangle_rays;
+mod shared;
 pub mod unshadowed;
 
 pub use cosine_lobe::CosineLobe;

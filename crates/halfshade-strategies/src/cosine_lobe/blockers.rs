@@ -1,10 +1,11 @@
 //! The spheres that block [Meunier2009, 5.3]: those of a frame, those that may be in the way of a light, and what one
 //! receiver sees of eight of them.
 
+use crate::shared::tangent_plane::OverPlane;
 use glam::{DVec3, Vec3};
 use halfshade_scene::{
-    Frame, Object, Scene, Sphere, SphereSet,
-    spheres::{AdjustRule, COVER_HEIGHT, FADE_HEIGHT, SphereBinding},
+    Frame, Object, Pose, Scene, Sphere, SphereSet,
+    spheres::{AdjustRule, SphereBinding},
 };
 use std::sync::Arc;
 use wide::f32x8;
@@ -42,6 +43,19 @@ impl Body {
     }
 }
 
+/// Centres and radii in world space of all spheres of a frame.
+pub(super) fn placed_spheres(frame: &Frame<'_>, bodies: &[Option<Body>]) -> Vec<(DVec3, f32)> {
+    let of_object = |(object, (body, pose)): (usize, (&Option<Body>, &Pose))| -> Vec<(DVec3, f32)> {
+        let rotation = pose.rotation.as_dquat().normalize();
+        let placed = |sphere: Sphere| {
+            let center = rotation * (f64::from(pose.scale) * sphere.center.as_dvec3()) + pose.translation.as_dvec3();
+            (center, pose.scale * sphere.radius)
+        };
+        body.iter().flat_map(|body| body.spheres(frame, object)).map(placed).collect()
+    };
+    bodies.iter().zip(&frame.world_from_object).enumerate().flat_map(of_object).collect()
+}
+
 /// Spheres as a structure of arrays, filled up to whole groups of eight with spheres of no size.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Spheres {
@@ -50,17 +64,10 @@ pub(super) struct Spheres {
 }
 
 impl Spheres {
-    /// All of a frame, about `origin`.
-    pub(super) fn of(frame: &Frame<'_>, bodies: &[Option<Body>], origin: DVec3) -> Self {
+    /// Centres, taken about `origin`, and radii.
+    pub(super) fn about(origin: DVec3, placed: &[(DVec3, f32)]) -> Self {
         let mut spheres = Self::default();
-        for (object, (body, pose)) in bodies.iter().zip(&frame.world_from_object).enumerate() {
-            let Some(body) = body else { continue };
-            for sphere in body.spheres(frame, object) {
-                let scaled = f64::from(pose.scale) * sphere.center.as_dvec3();
-                let center = pose.rotation.as_dquat().normalize() * scaled + pose.translation.as_dvec3() - origin;
-                spheres.push(center.as_vec3().to_array(), pose.scale * sphere.radius);
-            }
-        }
+        placed.iter().for_each(|(center, radius)| spheres.push((*center - origin).as_vec3().to_array(), *radius));
         spheres.fill_up();
         spheres
     }
@@ -192,84 +199,25 @@ pub(super) struct Receiver {
 }
 
 impl Receiver {
-    /// What it sees of eight spheres: offsets of centres and radii, after the rules of [`halfshade_scene::spheres::adjust`],
-    /// of which this is the branch-free single-precision twin. A radius of 0 has no influence.
+    /// What it sees of eight spheres: offsets of centres and radii, after the rules of [`halfshade_scene::spheres::adjust`].
+    /// A radius of 0 has no influence.
     #[inline(always)]
     pub(super) fn adjusted(&self, center: &[f32x8; 3], radius: f32x8, rule: AdjustRule) -> ([f32x8; 3], f32x8) {
-        let dot = |a: &[f32x8; 3], b: &[f32x8; 3]| a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]));
-        let normal = self.normal.map(f32x8::splat);
         let offset: [f32x8; 3] = std::array::from_fn(|axis| center[axis] - f32x8::splat(self.position[axis]));
-        let height = dot(&offset, &normal);
-        let cut = height.simd_lt(radius);
-        if !cut.any() {
+        let over = OverPlane::new(offset, radius, self.normal.map(f32x8::splat));
+        if !over.is_cut().any() {
             return (offset, radius);
         }
-        let front = ((radius + height) * f32x8::splat(0.5)).fast_max(f32x8::ZERO).fast_min(radius);
-        let foot: [f32x8; 3] = std::array::from_fn(|axis| height.mul_neg_add(normal[axis], offset[axis]));
-        let floor = (radius * radius * f32x8::splat(1e-12)).fast_max(f32x8::splat(f32::MIN_POSITIVE));
-        let cut_squared = ((radius - height) * (radius + height)).fast_max(floor);
-        let relative = (dot(&foot, &foot) / cut_squared).sqrt();
-        let per_height =
-            |share: f64| height / (f32x8::splat(share as f32) * radius).fast_max(f32x8::splat(f32::MIN_POSITIVE));
-        let in_front = match rule {
-            AdjustRule::Continuous => per_height(FADE_HEIGHT),
-            AdjustRule::Covering => per_height(COVER_HEIGHT),
-            AdjustRule::Published => height.simd_ge(f32x8::ZERO).select(f32x8::ONE, f32x8::ZERO),
-        }
-        .fast_max(f32x8::ZERO)
-        .fast_min(f32x8::ONE);
-        let scale = (relative - f32x8::ONE).fast_max(in_front).fast_min(f32x8::ONE);
-        let lift = height.fast_max(front) - height;
-        let pull = match rule {
-            AdjustRule::Covering => in_front * (f32x8::ONE - relative.fast_min(f32x8::ONE)),
-            AdjustRule::Continuous | AdjustRule::Published => f32x8::ZERO,
-        };
-        let moved: [f32x8; 3] =
-            std::array::from_fn(|axis| pull.mul_neg_add(foot[axis], lift.mul_add(normal[axis], offset[axis])));
-        // Spheres that the plane doesn't cut stay what they are, to the bit, whoever their neighbours are.
-        (std::array::from_fn(|axis| cut.select(moved[axis], offset[axis])), cut.select(scale * front, radius))
+        // Groups are filled up with spheres of no size.
+        let relative_height = over.height / radius.fast_max(f32x8::splat(f32::MIN_POSITIVE));
+        over.adjusted(rule, relative_height).unwrap_or((offset, f32x8::ZERO))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_scenes::random;
-    use halfshade_scene::spheres::adjust;
-
-    #[test]
-    fn spheres_are_adjusted_as_in_double_precision() {
-        let mut random = random(1);
-        let (mut seen, mut hidden) = (0, 0);
-        for _ in 0..2_000 {
-            let normal = Vec3::new(random(), random(), random()).normalize_or(Vec3::Y);
-            let receiver = Receiver { position: std::array::from_fn(|_| random()), normal: normal.to_array() };
-            let center: [[f32; 8]; 3] = std::array::from_fn(|_| std::array::from_fn(|_| 2.0 * random()));
-            let radius: [f32; 8] = std::array::from_fn(|_| 0.05 + random().abs());
-            for rule in [AdjustRule::Continuous, AdjustRule::Covering, AdjustRule::Published] {
-                let (offset, adjusted) = receiver.adjusted(&center.map(f32x8::from), f32x8::from(radius), rule);
-                for lane in 0..8 {
-                    let from_receiver =
-                        DVec3::from_array(std::array::from_fn(|i| f64::from(center[i][lane] - receiver.position[i])));
-                    let sine = |offset: DVec3, radius: f64| (radius / offset.length()).min(1.0);
-                    let found = DVec3::from(offset.map(|axis| f64::from(axis.to_array()[lane])));
-                    let found_sine = sine(found, f64::from(adjusted.to_array()[lane]));
-                    match adjust(rule, from_receiver, f64::from(radius[lane]), normal.as_dvec3().normalize()) {
-                        Some(exact) => {
-                            seen += 1;
-                            assert!((exact.sin_angular_radius() - found_sine).abs() < 2e-3);
-                            assert!(found.distance(exact.offset) < 1e-4 || found_sine < 1e-3);
-                        }
-                        None => {
-                            hidden += 1;
-                            assert!(found_sine < 1e-3, "{found_sine}");
-                        }
-                    }
-                }
-            }
-        }
-        assert!(seen > 5_000 && hidden > 5_000);
-    }
+    use crate::shared::test_scenes::random;
 
     /// Sampled balls of the hull: whoever meets one of them is kept.
     #[test]

@@ -74,7 +74,7 @@ impl Light {
 #[cfg(test)]
 mod tests {
     use super::{super::blockers::Spheres, *};
-    use crate::test_scenes::random;
+    use crate::shared::test_scenes::random;
 
     /// Whatever a ray towards the sun meets is kept.
     #[test]

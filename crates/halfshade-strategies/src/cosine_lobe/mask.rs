@@ -256,7 +256,7 @@ fn each_bit(mut bits: u64, mut work: impl FnMut(usize)) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_scenes::random;
+    use crate::shared::test_scenes::random;
 
     fn discs(seed: u64, count: usize) -> Vec<Disc> {
         let mut random = random(seed);

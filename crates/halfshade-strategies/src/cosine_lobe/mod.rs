@@ -97,7 +97,8 @@ mod square;
 mod visibility;
 mod weights;
 
-use blockers::{Ball, Body, Spheres, bodies};
+use crate::shared::origin::origin_of;
+use blockers::{Ball, Body, Spheres, bodies, placed_spheres};
 use environment::{Fitted, Surroundings};
 use glam::{DVec3, Vec3};
 use halfshade_scene::{Environment, EyeLobes, Frame, Progress, RadianceMut, Receivers, Scene, once};
@@ -272,12 +273,9 @@ impl Baked for Prepared {
         if self.everywhere.is_none() && !frame.lights.is_empty() {
             self.everywhere = Some(self.settings.everywhere(self.tables.products));
         }
-        let origin = match (frame.lights.first(), frame.world_from_object.first()) {
-            (Some(light), _) => light.center.as_dvec3(),
-            (None, Some(pose)) => pose.translation.as_dvec3(),
-            (None, None) => DVec3::ZERO,
-        };
-        let spheres = Spheres::of(frame, &self.bodies, origin);
+        let placed = placed_spheres(frame, &self.bodies);
+        let origin = origin_of(placed.iter().map(|(center, _)| *center));
+        let spheres = Spheres::about(origin, &placed);
         let near = frame.lights.iter().map(|light| Light::near(light, origin));
         let suns = environment.sun.iter().chain(self.fitted.lamps());
         let far = suns.map(|sun| Light::far(sun, frame.world_from_environment));

@@ -121,7 +121,7 @@ impl Key {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_scenes::random;
+    use crate::shared::test_scenes::random;
 
     #[test]
     fn a_place_is_near_its_receivers_and_on_their_surface() {

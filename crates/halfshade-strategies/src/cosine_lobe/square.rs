@@ -295,7 +295,7 @@ fn finest(depth: usize) -> Vec<LitCell> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_scenes::random;
+    use crate::shared::test_scenes::random;
     use glam::DVec3;
 
     fn splat_one(square: &Square, offset: DVec3, radius: f32) -> ([f32; 3], bool) {

@@ -242,7 +242,7 @@ impl AliasTable {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_scenes::empty;
+    use crate::shared::test_scenes::empty;
     use halfshade_scene::{Environment, Motion, Pose};
 
     #[test]

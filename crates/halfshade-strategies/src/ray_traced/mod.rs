@@ -235,7 +235,7 @@ impl Baked for Prepared {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_scenes::with_spheres;
+    use crate::shared::test_scenes::with_spheres;
     use halfshade_scene::{
         Environment, Motion, Pose, RadianceBuffer, ReceiverBuffer, Sphere, SphereLight,
         light::{EnvironmentMap, Sun},

@@ -1,6 +1,6 @@
 //! Shadow rays against the meshes of one frame.
 
-use crate::triangle_rays::{Holes, Start, TriangleRays, holes_of};
+use crate::shared::triangle_rays::{Holes, Start, TriangleRays, holes_of};
 use glam::Vec3;
 use halfshade_scene::Frame;
 
@@ -35,7 +35,7 @@ impl Occlusion {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_scenes::with_spheres;
+    use crate::shared::test_scenes::with_spheres;
     use halfshade_scene::{Environment, Sphere};
 
     #[test]

@@ -1,6 +1,6 @@
 //! Where a ray crosses a mesh, all along.
 
-use crate::triangle_rays::{RaySpace, hierarchy};
+use crate::shared::triangle_rays::{RaySpace, hierarchy};
 use glam::{DVec3, Vec3, Vec3A};
 use halfshade_scene::Mesh;
 use obvhs::{

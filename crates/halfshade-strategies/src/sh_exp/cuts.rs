@@ -24,6 +24,7 @@ use super::{
     clusters::ObjectClusters,
     levels::{Level, Levels},
 };
+use crate::shared::origin::origin_of;
 use glam::{DMat3, DQuat, DVec3, Vec3};
 use halfshade_scene::{Frame, Object, Pose, Receivers, Sphere};
 use halfshade_sh::{
@@ -68,7 +69,7 @@ pub(super) struct CutSettings {
 }
 
 /// The cuts of a frame, in the space of the light: turned like the environment, so that its tables hold for every turn, and
-/// about a centre within the scene, so that single precision is spent on the scene alone.
+/// about an origin that is theirs.
 #[derive(Debug, Clone)]
 pub(super) struct Cuts {
     cuts: Vec<Vec<Blocker>>,
@@ -173,8 +174,8 @@ impl Cuts {
             });
             objects.push(Placed { first: firsts.collect(), levels, spheres });
         }
-        let leaves = || objects.iter().flat_map(|object| &object.spheres[0]);
-        let center = leaves().map(|(center, _)| *center).sum::<DVec3>() / f64::from(leaves().count().max(1) as u32);
+        let leaves = objects.iter().flat_map(|object| &object.spheres[0]);
+        let center = origin_of(leaves.map(|(center, _)| *center));
         let rotation = DMat3::from_quat(frame.world_from_environment.as_dquat().normalize().conjugate());
         for (place, _) in objects.iter_mut().flat_map(|object| &mut object.spheres).flatten() {
             *place = rotation * (*place - center);
@@ -444,7 +445,7 @@ mod tests {
     use super::*;
     use crate::{
         sh_exp::{clusters, levels::Overlap},
-        test_scenes::with_spheres,
+        shared::test_scenes::with_spheres,
     };
     use halfshade_scene::{Environment, Motion, ReceiverBuffer, SphereSet, builtin::shapes};
 

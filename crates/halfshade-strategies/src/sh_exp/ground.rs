@@ -20,7 +20,7 @@
 
 use super::{
     crossings::{Crossing, Crossings},
-    directions::weighted_directions,
+    directions::{even_directions, weighted},
 };
 use glam::{DQuat, DVec3, Vec3};
 use halfshade_scene::{Frame, RadianceBuffer, ReceiverBuffer, Scene, light::DistantLight, mesh};
@@ -45,10 +45,11 @@ const ENVIRONMENT_BANDS: usize = 6;
 #[derive(Debug)]
 pub(super) struct Ground {
     bands: usize,
-    /// In light space, unit; with the basis there times the solid angle of each.
-    directions: Vec<(DVec3, Vec<f32>)>,
-    /// Light of the environment, without its sun, along the directions, and what it was found from.
-    environment: (Vec<Vec3>, DistantLight),
+    /// Unit directions in the space of the first object without spheres: they turn with the scene.
+    even: Vec<DVec3>,
+    directions: Directions,
+    /// What light of the environment, without its sun, along the directions was found from.
+    environment: Option<DistantLight>,
     /// Objects without spheres, and their surfaces.
     others: Vec<(usize, Crossings)>,
     /// Clamped cosine over π by band, times the rotation's factor: ρ_n.
@@ -61,6 +62,17 @@ pub(super) struct Ground {
     pub(super) points: ReceiverBuffer,
     /// Of each point: object, place and direction.
     met: Vec<[u32; 3]>,
+}
+
+/// Directions in light space.
+#[derive(Debug, Default)]
+struct Directions {
+    /// The turn that led there.
+    turn: Option<DQuat>,
+    /// Unit, with the basis there times the solid angle of each.
+    weighted: Vec<(DVec3, Vec<f32>)>,
+    /// Light of the environment along each.
+    light: Vec<Vec3>,
 }
 
 /// What is seen around an object, as an affine function of the place.
@@ -88,12 +100,12 @@ impl Ground {
         if others.is_empty() {
             return None;
         }
-        let directions: Vec<_> = weighted_directions(bands, directions).collect();
         let cosine = zonal::reflectance(bands).into_iter().map(|value| value as f32).collect();
         Some(Self {
             bands,
-            environment: (vec![Vec3::ZERO; directions.len()], DistantLight::Constant(Vec3::ZERO)),
-            directions,
+            even: even_directions(directions).collect(),
+            directions: Directions::default(),
+            environment: None,
             others,
             cosine,
             fields: Vec::new(),
@@ -105,6 +117,11 @@ impl Ground {
 
     /// Looks around all objects with spheres; what is met is black. `rotation` and `center` lead into light space.
     pub(super) fn look(&mut self, frame: &Frame<'_>, rotation: DQuat, center: DVec3) {
+        let space = self
+            .others
+            .first()
+            .map_or(DQuat::IDENTITY, |(object, _)| frame.world_from_object[*object].rotation.as_dquat().normalize());
+        self.turn(rotation * space);
         self.know(&frame.scene.environment.base);
         let scene = frame.scene;
         self.fields = vec![None; scene.objects.len()];
@@ -151,9 +168,11 @@ impl Ground {
         let count = self.bands * self.bands;
         let mut of_places = vec![[0.0_f32; 3]; self.fields.len() * PLACES * count];
         for (point, &[object, place, direction]) in self.met.iter().enumerate() {
-            let instead = radiance.at(point) - self.environment.0[direction as usize];
+            let instead = radiance.at(point) - self.directions.light[direction as usize];
             let first = (object as usize * PLACES + place as usize) * count;
-            for (sum, value) in of_places[first..][..count].iter_mut().zip(&self.directions[direction as usize].1) {
+            for (sum, value) in
+                of_places[first..][..count].iter_mut().zip(&self.directions.weighted[direction as usize].1)
+            {
                 (0..3).for_each(|channel| sum[channel] += instead[channel] * value);
             }
         }
@@ -231,13 +250,23 @@ impl Ground {
         2 * self.fields.iter().flatten().count() * field + size_of_val(self.met.as_slice())
     }
 
+    /// Turns the directions into light space.
+    fn turn(&mut self, turn: DQuat) {
+        if self.directions.turn != Some(turn) {
+            let weighted = weighted(self.bands, self.even.iter().map(|&direction| turn * direction)).collect();
+            self.directions = Directions { turn: Some(turn), weighted, light: Vec::new() };
+            self.environment = None;
+        }
+    }
+
     /// Finds the environment's light along the directions.
     fn know(&mut self, base: &DistantLight) {
-        if self.environment.1.is_same_as(base) {
+        if self.environment.as_ref().is_some_and(|known| known.is_same_as(base)) {
             return;
         }
-        let radiance = match base {
-            DistantLight::Constant(radiance) => vec![*radiance; self.directions.len()],
+        let weighted = &self.directions.weighted;
+        self.directions.light = match base {
+            DistantLight::Constant(radiance) => vec![*radiance; weighted.len()],
             DistantLight::Map(map) => {
                 let texels: Vec<[f32; 3]> = map.texels().iter().map(|texel| texel.to_array()).collect();
                 let vectors = lat_long::project(ENVIRONMENT_BANDS, map.width(), map.height(), &texels);
@@ -247,16 +276,16 @@ impl Ground {
                         Vec3::from(vectors.each_ref().map(at))
                     })
                 };
-                self.directions.iter().map(along).collect()
+                weighted.iter().map(along).collect()
             }
         };
-        self.environment = (radiance, base.clone());
+        self.environment = Some(base.clone());
     }
 
     /// What is met from a place in world space: direction, object, and where on it.
     fn met_from(&self, frame: &Frame<'_>, place: DVec3, rotation: DQuat) -> Vec<(u32, usize, Crossing)> {
         let world_from_light = rotation.conjugate();
-        (self.directions.iter().enumerate())
+        (self.directions.weighted.iter().enumerate())
             .filter_map(|(number, (direction, _))| {
                 let direction = world_from_light * *direction;
                 let mut first: Option<(f64, usize, Crossing)> = None;

@@ -14,7 +14,7 @@
 use super::{
     Prepared,
     blockers::{Blocker, Seen},
-    directions::weighted_directions,
+    directions::{even_directions, weighted},
 };
 use halfshade_sh::kernel::{self, ShBatch};
 use wide::f32x8;
@@ -31,7 +31,7 @@ pub(super) struct Traced<const N: usize> {
 impl<const N: usize> Traced<N> {
     /// So many directions; `spheres` are seen at most.
     pub(super) fn new(count: usize, spheres: usize) -> Self {
-        let directions = weighted_directions(N.isqrt(), count)
+        let directions = weighted(N.isqrt(), even_directions(count))
             .map(|(direction, values)| (direction.as_vec3().to_array(), std::array::from_fn(|i| values[i])))
             .collect();
         Self { directions, seen: Vec::with_capacity(spheres), parts: Vec::with_capacity(spheres) }

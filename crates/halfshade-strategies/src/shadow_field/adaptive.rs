@@ -75,7 +75,7 @@ pub(super) fn kept_shells<B: Basis>(
 mod tests {
     use super::super::{basis::Ball, sh};
     use super::*;
-    use crate::triangle_rays::TriangleRays;
+    use crate::shared::triangle_rays::TriangleRays;
     use glam::Vec3;
     use std::f32::consts::{PI, TAU};
 

@@ -1,6 +1,7 @@
 //! Where everything is in a frame: objects and lights in the space of the distant light, and who is near to whom.
 
 use super::basis::Ball;
+use crate::shared::origin::origin_of;
 use glam::{DMat3, DQuat, DVec3, Mat3, Vec3};
 use halfshade_scene::{EyeLobes, Frame, Mesh, Receivers, Scene, SphereLight};
 use halfshade_strategy::StrategyError;
@@ -89,7 +90,7 @@ impl Arrangement {
                     + pose.translation.as_dvec3()
             })
             .collect();
-        self.center = middles.iter().sum::<DVec3>() / middles.len().max(1) as f64;
+        self.center = origin_of(middles.iter().copied());
         self.places = (frame.world_from_object.iter().zip(&middles).zip(&self.bodies))
             .map(|((pose, &middle), body)| {
                 let light_from_object = self.light_from_world * pose.rotation.as_dquat().normalize();

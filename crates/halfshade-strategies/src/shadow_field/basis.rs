@@ -1,7 +1,7 @@
 //! What fields are made of: vectors of coefficients of a basis over directions.
 
 use super::shells::Grid;
-use crate::triangle_rays::{Start, TriangleRays, holes_of};
+use crate::shared::triangle_rays::{Start, TriangleRays, holes_of};
 use glam::Vec3;
 use halfshade_scene::Mesh;
 use serde::{Deserialize, Serialize};

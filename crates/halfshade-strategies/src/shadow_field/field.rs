@@ -6,7 +6,7 @@ use super::{
     shells::{Corners, Grid, direction, place},
     solid::Solid,
 };
-use crate::triangle_rays::TriangleRays;
+use crate::shared::triangle_rays::TriangleRays;
 use glam::{DVec3, Vec3};
 use halfshade_scene::{Mesh, Progress, clusters::bounding_sphere};
 use rayon::prelude::*;

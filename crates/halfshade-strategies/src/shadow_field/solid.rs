@@ -1,7 +1,7 @@
 //! Sample points that lie within a solid: nobody looks from there, but who is near its surface interpolates with them.
 
 use super::basis::{Ball, Basis};
-use crate::triangle_rays::{Start, TriangleRays};
+use crate::shared::triangle_rays::{Start, TriangleRays};
 use glam::{DVec3, Vec3};
 use halfshade_sh::quadrature::golden_spiral;
 use std::f32::consts::FRAC_1_SQRT_2;

@@ -5,7 +5,7 @@ use super::{
     basis::{Ball, Basis},
     vertices::OwnRays,
 };
-use crate::triangle_rays::{ROUNDING, Start};
+use crate::shared::triangle_rays::{ROUNDING, Start};
 use glam::Vec3;
 use std::f32::consts::FRAC_1_PI;
 

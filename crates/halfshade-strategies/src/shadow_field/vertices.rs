@@ -1,7 +1,7 @@
 //! What an object hides from its own vertices.
 
 use super::basis::{Basis, rays};
-use crate::triangle_rays::{Start, TriangleRays};
+use crate::shared::triangle_rays::{Start, TriangleRays};
 use glam::Vec3;
 use halfshade_scene::Mesh;
 use rayon::prelude::*;

@@ -135,7 +135,8 @@ mod tests {
         let texels = (0..64 * 32).map(|i| Vec3::new(if i % 97 == 0 { 50.0 } else { 0.1 }, 1.0, (i % 64) as f32 / 64.0));
         let map = Arc::new(EnvironmentMap::new(64, 32, texels.collect()).unwrap());
         let cells = DirectionalCells::new(&map);
-        let scene = crate::test_scenes::empty(halfshade_scene::Environment { base: DistantLight::Map(map), sun: None });
+        let scene =
+            crate::shared::test_scenes::empty(halfshade_scene::Environment { base: DistantLight::Map(map), sun: None });
         let params = Params::defaults(&Unshadowed.info().parameters);
         let mut baked = Unshadowed.bake(&scene, &params, &halfshade_scene::progress::Silent).unwrap();
         baked.prepare(&scene.frame(0)).unwrap();

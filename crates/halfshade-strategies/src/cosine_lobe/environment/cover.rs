@@ -67,7 +67,7 @@ impl Cover {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_scenes::random;
+    use crate::shared::test_scenes::random;
 
     fn open_at(cover: &Cover, column: usize, row: usize) -> f32 {
         let i = row * cover.side + column;

@@ -83,7 +83,7 @@ impl<'a, const N: usize> Bound<'a, N> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_scenes::random;
+    use crate::shared::test_scenes::random;
     use glam::Vec3;
     use halfshade_sh::{basis, quadrature::SphereQuadrature};
 

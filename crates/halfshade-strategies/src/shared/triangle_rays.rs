@@ -1,5 +1,6 @@
 //! Triangles in a wide bounding-volume hierarchy, for rays that ask whether anything is in the way.
 
+use super::origin::origin_between;
 use glam::{DVec3, Vec3, Vec3A};
 use halfshade_scene::Mesh;
 use obvhs::{
@@ -59,12 +60,9 @@ impl RaySpace {
     /// For what lies between two corners.
     pub(crate) fn around(low: Vec3, high: Vec3) -> Self {
         let (low, high) = (low.as_dvec3(), high.as_dvec3());
-        let (center, half) = (0.5 * (low + high), 0.5 * (high - low));
-        // Numbers within a factor of two of each other have an exact difference.
-        let shift = |axis: usize| if center[axis].abs() >= 2.0 * half[axis] { center[axis] as f32 } else { 0.0 };
-        let largest = half.max_element();
+        let largest = 0.5 * (high - low).max_element();
         let scale = if largest > 0.0 { (HALF_EXTENT / largest).log2().floor().exp2() } else { 1.0 };
-        Self { center: Vec3::from_array(std::array::from_fn(shift)).as_dvec3(), scale }
+        Self { center: origin_between(low, high), scale }
     }
 
     /// A point, placed.

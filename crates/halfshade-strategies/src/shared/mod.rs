@@ -1,0 +1,8 @@
+//! What several methods need and neither `halfshade-scene` nor `halfshade-sh` can have: each does without the other, and
+//! without rays.
+
+pub(crate) mod origin;
+pub(crate) mod tangent_plane;
+#[cfg(test)]
+pub(crate) mod test_scenes;
+pub(crate) mod triangle_rays;
