@@ -6,6 +6,7 @@ pub mod check;
 pub mod classes;
 pub mod clock;
 pub mod error;
+pub mod errors;
 pub mod experiment;
 pub mod file_names;
 pub mod image_io;
@@ -33,6 +34,7 @@ pub mod sphere_fit;
 pub mod ssim;
 pub mod statistics;
 pub mod table;
+pub mod threads;
 pub mod variant;
 pub mod weights;
 
@@ -43,9 +45,10 @@ mod traced;
 
 pub use clock::{Clock, SystemClock};
 pub use error::HarnessError;
+pub use errors::Reference;
 pub use experiment::{Experiment, Published, ReceiverKind, ReferenceKind};
 pub use image_io::Picture;
-pub use metrics::{Metrics, Reference};
+pub use metrics::Metrics;
 pub use results::Results;
 pub use variant::Variant;
 pub use weights::{ReceiverWeights, Weighting};

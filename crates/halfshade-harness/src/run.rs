@@ -1,8 +1,8 @@
 //! Running an experiment: bake, prepare, shade, score, time, picture; journal every step.
 
 use crate::{
-    Clock, Experiment, HarnessError, Picture, ReceiverKind, ReceiverWeights, ReferenceKind, Results, Variant,
-    Weighting,
+    Clock, Experiment, HarnessError, Picture, ReceiverKind, ReceiverWeights, Reference, ReferenceKind, Results,
+    Variant, Weighting,
     classes::by_class,
     clock::time_secs,
     file_names,
@@ -11,7 +11,7 @@ use crate::{
     inputs,
     journal::{self, Entry, Header, Journal},
     machine,
-    metrics::{Metrics, Reference, compare, mean},
+    metrics::{Metrics, compare, mean},
     out_folder::OutFolder,
     picture_colors::signed_error,
     plan::{DIFFERENCE_FACTOR, Plan, TRUTH_LABEL},
@@ -24,6 +24,7 @@ use crate::{
     resume::{Beginning, Known},
     shading::{count_not_finite, shade_all},
     ssim::WINDOW,
+    threads,
 };
 use glam::Vec3;
 use halfshade_scene::{Frame, InputFile, Progress, RadianceBuffer, ReceiverBuffer, Scene, cache::Cache};
@@ -76,7 +77,7 @@ pub fn run(experiment: &Experiment, tools: &Tools<'_>, options: &RunOptions) -> 
         }
     }
     let timing_threads = plan.timing.and_then(|timing| timing.threads).map(|threads| threads.get());
-    let threads = options.threads.or(timing_threads).unwrap_or_else(machine::threads);
+    let threads = options.threads.or(timing_threads).unwrap_or_else(threads::available);
     let mut results = Results {
         schema: SCHEMA.into(),
         experiment: experiment.name.clone(),
@@ -110,7 +111,7 @@ pub fn run(experiment: &Experiment, tools: &Tools<'_>, options: &RunOptions) -> 
     };
     let truth_cache = place.as_ref().map_or_else(Cache::disabled, |(folder, _)| folder.truths());
     let mut session = Session { tools, plan: &plan, threads, place, known, truth_cache };
-    machine::with_threads(Some(threads), || {
+    threads::with_threads(Some(threads), || {
         for (number, (scene, frames)) in plan.scenes.iter().enumerate() {
             let mut scene = scene.clone();
             scene.notes.iter().for_each(|note| tools.progress.note(note));

@@ -153,5 +153,5 @@ pub(crate) fn dispatch(cli: Cli, arguments: Vec<OsString>) -> Result<ExitCode, F
 }
 
 fn on_threads<T: Send>(context: &Context, work: impl FnOnce() -> Result<T, Failure> + Send) -> Result<T, Failure> {
-    halfshade_harness::machine::with_threads(context.threads, work)?
+    halfshade_harness::threads::with_threads(context.threads, work)?
 }
