@@ -1,45 +1,25 @@
 //! Where a run begins: with nothing, with what a journal holds, or at its end.
 
+use super::record::{Known, Record};
 use crate::{
     HarnessError, Results,
-    image_metrics::Similarity,
-    journal::{Entry, Header, Journal, SCHEMA},
+    journal::{Header, Journal, SCHEMA},
     out_folder::OutFolder,
-    results::{PictureFiles, Run, Sample},
 };
 use halfshade_scene::Progress;
-use std::{
-    collections::HashMap,
-    path::{Path, PathBuf},
-};
+use std::path::{Path, PathBuf};
 
 /// Where a run begins.
-pub(crate) enum Beginning {
+pub(super) enum Beginning {
     /// There is something to do.
-    Open(Box<Open>),
+    Open(Box<Record>),
     /// All is done.
     Finished(Box<Results>),
 }
 
-/// What a run has that is to be done.
-pub(crate) struct Open {
-    pub(crate) folder: OutFolder,
-    pub(crate) journal: Journal,
-    pub(crate) known: Known,
-}
-
-/// What the journal knows already.
-#[derive(Default)]
-pub(crate) struct Known {
-    pub(crate) scored: HashMap<String, Vec<Run>>,
-    pub(crate) samples: HashMap<String, Vec<Sample>>,
-    pub(crate) pictured: HashMap<String, (PictureFiles, Similarity)>,
-    pub(crate) truths: Vec<PictureFiles>,
-}
-
 impl Beginning {
     /// Opens `out` for a run that writes the files `planned`, and reads what there is to go on with if it is to `resume`.
-    pub(crate) fn of(
+    pub(super) fn of(
         out: &Path,
         planned: &[PathBuf],
         header: &Header,
@@ -53,7 +33,7 @@ impl Beginning {
             && let Some((journal, entries)) = Journal::resume(&path, header)?
         {
             let known = Known::of(entries, &folder);
-            return Ok(Self::Open(Box::new(Open { folder, journal, known })));
+            return Ok(Self::Open(Box::new(Record::kept(folder, journal, known))));
         }
         if resume && folder.holds(Path::new("results.json")) {
             let path = out.join("results.json");
@@ -82,12 +62,12 @@ impl Beginning {
             }
         }
         let journal = Journal::create(&path, header)?;
-        Ok(Self::Open(Box::new(Open { folder, journal, known: Known::default() })))
+        Ok(Self::Open(Box::new(Record::kept(folder, journal, Known::default()))))
     }
 }
 
-/// What began a run that has these results.
-fn header_of(results: &Results) -> Header {
+/// What began a run that has these results; the program is not known from them.
+pub(super) fn header_of(results: &Results) -> Header {
     Header {
         schema: SCHEMA.into(),
         experiment_hash: results.experiment_hash.clone(),
@@ -107,36 +87,6 @@ fn named(files: &[PathBuf]) -> Option<String> {
     let counted = counted.into_iter().filter(|(count, _)| *count > 0);
     let all: Vec<String> = names.chain(counted.map(|(count, folder)| format!("{count} in {folder}"))).collect();
     (!all.is_empty()).then(|| all.join(", "))
-}
-
-impl Known {
-    /// Pictures that are gone or were changed are drawn again.
-    fn of(entries: Vec<Entry>, folder: &OutFolder) -> Self {
-        let is_there = |files: &PictureFiles| {
-            [&files.exr, &files.png].into_iter().chain(&files.error_png).all(|file| folder.holds(Path::new(file)))
-        };
-        let mut known = Self::default();
-        for entry in entries {
-            match entry {
-                Entry::Scored(runs) => {
-                    if let Some(run) = runs.first() {
-                        known.scored.insert(run.key(), runs);
-                    }
-                }
-                Entry::Timed { key, sample } => known.samples.entry(key).or_default().push(sample),
-                Entry::Pictured { files, .. } if !is_there(&files) => {}
-                Entry::Pictured { key: Some(key), files, similarity } => {
-                    known.pictured.insert(key, (files, similarity));
-                }
-                Entry::Pictured { key: None, files, .. } => {
-                    // One that was gone and was drawn again is there twice.
-                    known.truths.retain(|other| (&other.scene, other.frame) != (&files.scene, files.frame));
-                    known.truths.push(files);
-                }
-            }
-        }
-        known
-    }
 }
 
 #[cfg(test)]
