@@ -2,7 +2,7 @@
 
 use super::{Context, Failure};
 use crate::{cli::CheckArguments, terminal};
-use halfshade_harness::{Experiment, Results, check::compare, run::RunOptions, table::Format};
+use halfshade_harness::{Experiment, Results, check::compare, report::Format, run::RunOptions};
 use halfshade_scene::Progress;
 use std::process::ExitCode;
 

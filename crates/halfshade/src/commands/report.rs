@@ -9,8 +9,7 @@ use halfshade_harness::{
     HarnessError, Results,
     out_folder::{OutFolder, PRIVATE},
     output::{check_writable, prepare_folder, write_atomically},
-    report,
-    table::Format,
+    report::{self, Format},
 };
 use halfshade_scene::Progress;
 use std::{path::Path, process::ExitCode};

@@ -8,7 +8,7 @@ use halfshade_harness::{
     metrics::relative,
     projection::Projection,
     reference::check_range,
-    table::significant,
+    report::significant,
 };
 use halfshade_scene::Progress;
 use halfshade_truth::{MAX_SAMPLES, Options, Tracer, estimate};

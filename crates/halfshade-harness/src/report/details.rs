@@ -1,10 +1,14 @@
 //! Figures that only one strategy has.
 
-use super::{Cell, Column, Table, runs_of, significant};
+use super::{
+    groups::runs_of,
+    significant::significant,
+    table::{Cell, Column, Table},
+};
 use crate::Results;
 
 /// One row for each list of figures of each strategy; `None` if the experiment didn't ask for any.
-pub fn details(results: &Results, scene: &str, frame: usize, receivers: &str) -> Option<Table> {
+pub(super) fn details(results: &Results, scene: &str, frame: usize, receivers: &str) -> Option<Table> {
     let mut labels: Vec<&str> = Vec::new();
     let mut rows = Vec::new();
     for run in runs_of(results, scene, frame, receivers) {
@@ -31,7 +35,7 @@ fn figure(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{results::tests::example, table::Format};
+    use crate::{report::Format, results::tests::example};
 
     #[test]
     fn every_list_is_a_row() {

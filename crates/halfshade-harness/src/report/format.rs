@@ -1,62 +1,8 @@
-//! Tables: one model, and a file per format that writes it.
+//! What a page or a table is written as.
 
-mod by_class;
-mod csv_format;
-mod details;
-mod differences;
-pub(crate) mod html;
-mod latex;
-pub(crate) mod markdown;
-mod views;
+use super::{csv, html, latex, markdown, page::Page, table::Table};
 
-pub use by_class::error_by_class;
-pub use details::details;
-pub use differences::differences;
-use views::relative_rmse;
-pub use views::{error_split, results_csv, scene_table};
-pub(crate) use views::{groups, runs_of};
-
-/// A table.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Table {
-    /// What it shows.
-    pub title: String,
-    /// Column by column.
-    pub columns: Vec<Column>,
-    /// Row by row, each with a cell per column.
-    pub rows: Vec<Vec<Cell>>,
-    /// Sentences below: what is meant, what is not.
-    pub notes: Vec<String>,
-}
-
-/// One column.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Column {
-    /// Its head.
-    pub name: String,
-    /// Which way is better, if one is: the best cell is set bold, the second underlined.
-    pub better: Option<Better>,
-}
-
-/// Which way is better.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Better {
-    /// Small numbers.
-    Lower,
-    /// Large numbers.
-    Higher,
-}
-
-/// One cell.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Cell {
-    /// What is shown.
-    pub text: String,
-    /// What is ranked; nothing for text.
-    pub value: Option<f64>,
-}
-
-/// Formats of tables.
+/// Formats of pages and tables.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
     /// GitHub's Markdown.
@@ -65,103 +11,40 @@ pub enum Format {
     Csv,
     /// LaTeX with booktabs.
     Latex,
-    /// A fragment of HTML.
+    /// HTML.
     Html,
-}
-
-impl Column {
-    /// A column of text, or of numbers without a winner.
-    pub fn plain(name: impl Into<String>) -> Self {
-        Self { name: name.into(), better: None }
-    }
-
-    /// A column with a winner.
-    pub fn ranked(name: impl Into<String>, better: Better) -> Self {
-        Self { name: name.into(), better: Some(better) }
-    }
-}
-
-impl Cell {
-    /// Text.
-    pub fn text(text: impl Into<String>) -> Self {
-        Self { text: text.into(), value: None }
-    }
-
-    /// A number.
-    pub fn number(text: impl Into<String>, value: f64) -> Self {
-        Self { text: text.into(), value: Some(value) }
-    }
-
-    /// An error that the truth can't tell from none: the best there is, whatever its size, and as good as any other such.
-    pub fn unresolved(text: impl Into<String>) -> Self {
-        Self::number(text, 0.0)
-    }
-
-    /// Nothing.
-    pub fn empty() -> Self {
-        Self::text("")
-    }
 }
 
 impl Table {
     /// In `format`; `provenance` says where the numbers come from, in one line.
     pub fn write(&self, format: Format, provenance: &str) -> String {
         match format {
-            Format::Markdown => markdown::write(self),
-            Format::Csv => csv_format::write(self),
-            Format::Latex => latex::write(self, provenance),
-            Format::Html => html::write(self),
+            Format::Markdown => markdown::table(self),
+            Format::Csv => csv::table(self),
+            Format::Latex => latex::table(self, provenance),
+            Format::Html => html::table(self),
         }
-    }
-
-    /// The place of each cell within its column: 1 for the best, 2 for the second, `None` for all others. Equal values
-    /// share a place. Columns with fewer than two values have no winner.
-    fn places(&self) -> Vec<Vec<Option<u8>>> {
-        let mut places = vec![vec![None; self.columns.len()]; self.rows.len()];
-        for (c, column) in self.columns.iter().enumerate() {
-            let Some(better) = column.better else { continue };
-            let mut values: Vec<f64> =
-                self.rows.iter().filter_map(|row| row[c].value).filter(|value| value.is_finite()).collect();
-            if values.len() < 2 {
-                continue;
-            }
-            values.sort_by(f64::total_cmp);
-            if better == Better::Higher {
-                values.reverse();
-            }
-            values.dedup();
-            for (row, places) in self.rows.iter().zip(&mut places) {
-                places[c] = match row[c].value {
-                    Some(value) if values.first() == Some(&value) => Some(1),
-                    Some(value) if values.get(1) == Some(&value) => Some(2),
-                    _ => None,
-                };
-            }
-        }
-        places
     }
 }
 
-/// A number with `digits` significant digits, without a needless exponent.
-pub fn significant(value: f64, digits: usize) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return if value == 0.0 { "0".into() } else { value.to_string() };
-    }
-    // Rounding first, so that 9.996 counts as 10.0.
-    let scientific = format!("{:.*e}", digits.saturating_sub(1), value);
-    let exponent: i32 = scientific.split_once('e').and_then(|(_, e)| e.parse().ok()).unwrap_or(0);
-    if (-5..6).contains(&exponent) {
-        format!("{value:.*}", (digits as i32 - 1 - exponent).max(0) as usize)
-    } else {
-        scientific
+impl Page {
+    /// In `format`.
+    pub fn write(&self, format: Format) -> String {
+        match format {
+            Format::Markdown => markdown::page(self),
+            Format::Csv => csv::page(self),
+            Format::Latex => latex::page(self),
+            Format::Html => html::page(self),
+        }
     }
 }
 
 #[cfg(test)]
 pub(crate) mod tests {
+    use super::super::table::{Better, Cell, Column};
     use super::*;
 
-    pub(super) fn small() -> Table {
+    fn small() -> Table {
         Table {
             title: "A & B".into(),
             columns: vec![
@@ -245,7 +128,7 @@ pub(crate) mod tests {
         let escaped = "&lt;i&gt;f&lt;/i&gt; [g](h) \\i &amp;amp; {j}";
         assert_eq!(html.matches(escaped).count(), 4, "{html}");
         let csv = table.write(Format::Csv, "");
-        let record = csv::Reader::from_reader(csv.as_bytes()).records().next().unwrap().unwrap();
+        let record = ::csv::Reader::from_reader(csv.as_bytes()).records().next().unwrap().unwrap();
         assert_eq!(&record[0], HOSTILE);
     }
 
@@ -260,14 +143,5 @@ pub(crate) mod tests {
         table.rows[0][0].text = "a,\"1\"".into();
         let csv = table.write(Format::Csv, "");
         assert_eq!(csv.lines().nth(1), Some("\"a,\"\"1\"\"\",0.5,10"));
-    }
-
-    #[test]
-    fn significant_digits() {
-        let cases = [(0.012345, "0.0123"), (9.996, "10.0"), (123_456.0, "123456"), (1.5e-9, "1.50e-9"), (0.0, "0")];
-        for (value, text) in cases {
-            assert_eq!(significant(value, 3), text);
-        }
-        assert_eq!(significant(-2.0, 2), "-2.0");
     }
 }

@@ -6,7 +6,12 @@
 //! error. The grey staircase is the Pareto front: nothing measured is both faster and more exact. Unresolved errors are drawn
 //! hollow, at the value that the truth can just resolve.
 
-use crate::results::{Results, Run};
+use super::groups::runs_of;
+use crate::{
+    file_names,
+    image_io::png_bytes,
+    results::{Results, Run},
+};
 use plotters::{
     coord::Shift,
     prelude::*,
@@ -54,30 +59,48 @@ struct Series {
     points: Vec<Point>,
 }
 
-/// The plot of one frame of one scene as SVG text and as PNG bytes; `None` if nothing was both scored and timed.
-pub fn error_against_time(
-    results: &Results,
-    scene: &str,
-    frame: usize,
-    receivers: &str,
-) -> Option<Result<(String, Vec<u8>), String>> {
-    let series = series(results, scene, frame, receivers);
-    (!series.is_empty()).then(|| {
-        let title = format!("{scene}, frame {frame}: error against time");
-        let threads = results.machine.threads;
+/// The plot of one frame of one scene, ready to be drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plot {
+    /// Where its files lie, without their ending, relative to the results.
+    pub file: String,
+    title: String,
+    threads: usize,
+    series: Vec<Series>,
+}
+
+impl Plot {
+    /// Error against time of all strategies; `None` if nothing was both scored and timed.
+    pub fn error_against_time(results: &Results, scene: &str, frame: usize, receivers: &str) -> Option<Self> {
+        let series = series(results, scene, frame, receivers);
+        (!series.is_empty()).then(|| Self {
+            file: file_names::plot(scene, frame, receivers),
+            title: format!("{scene}, frame {frame}: error against time"),
+            threads: results.machine.threads,
+            series,
+        })
+    }
+
+    /// As SVG text.
+    pub fn svg(&self) -> Result<String, String> {
         register_font();
         let mut svg = String::new();
-        draw(&SVGBackend::with_string(&mut svg, SIZE).into_drawing_area(), 1, &title, threads, &series)?;
-        // Twice the size, so that it stays sharp on dense screens.
+        draw(&SVGBackend::with_string(&mut svg, SIZE).into_drawing_area(), 1, &self.title, self.threads, &self.series)?;
+        Ok(svg)
+    }
+
+    /// As PNG bytes, of twice the size, so that it stays sharp on dense screens.
+    pub fn png(&self) -> Result<Vec<u8>, String> {
+        register_font();
         let (width, height) = (2 * SIZE.0, 2 * SIZE.1);
         let mut pixels = vec![0; 3 * (width * height) as usize];
         {
             let area = BitMapBackend::with_buffer(&mut pixels, (width, height)).into_drawing_area();
-            draw(&area, 2, &title, threads, &series)?;
+            draw(&area, 2, &self.title, self.threads, &self.series)?;
         }
         let image = image::RgbImage::from_raw(width, height, pixels).ok_or("the bitmap has a wrong size")?;
-        Ok((svg, crate::image_io::png_bytes(&image)?))
-    })
+        png_bytes(&image)
+    }
 }
 
 fn register_font() {
@@ -90,7 +113,7 @@ fn register_font() {
 }
 
 fn series(results: &Results, scene: &str, frame: usize, receivers: &str) -> Vec<Series> {
-    let runs: Vec<&Run> = crate::table::runs_of(results, scene, frame, receivers)
+    let runs: Vec<&Run> = runs_of(results, scene, frame, receivers)
         .filter(|run| run.reference() == "mesh" && run.frame_secs().is_some())
         .collect();
     let mut all: Vec<Series> = Vec::new();
@@ -418,10 +441,11 @@ mod tests {
 
     #[test]
     fn both_formats_are_drawn_whole() {
-        let (svg, png) = error_against_time(&example(), "vases", 0, "vertices").unwrap().unwrap();
+        let plot = Plot::error_against_time(&example(), "vases", 0, "vertices").unwrap();
+        let (svg, png) = (plot.svg().unwrap(), plot.png().unwrap());
         assert!(svg.trim_end().ends_with("</svg>") && svg.contains("relative RMSE") && svg.contains("Pareto front"));
         let image = image::load_from_memory(&png).unwrap();
         assert_eq!((image.width(), image.height()), (2 * SIZE.0, 2 * SIZE.1));
-        assert!(error_against_time(&example(), "nowhere", 0, "vertices").is_none());
+        assert!(Plot::error_against_time(&example(), "nowhere", 0, "vertices").is_none());
     }
 }

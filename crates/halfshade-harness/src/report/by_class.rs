@@ -1,6 +1,11 @@
 //! Error by class of what hides the light at a receiver.
 
-use super::{Better, Cell, Column, Table, runs_of, significant};
+use super::{
+    error_cell::relative_rmse,
+    groups::runs_of,
+    significant::significant,
+    table::{Better, Cell, Column, Table},
+};
 use crate::{Results, classes::ClassError, results::Run};
 use halfshade_truth::LEAST_SHARE;
 
@@ -9,7 +14,7 @@ const CLASSES: [(&str, &str); 4] =
     [("own", "own object"), ("other", "another object"), ("ground", "the ground"), ("nothing", "nothing")];
 
 /// Relative RMSE of every strategy against the mesh, class by class; `None` if the experiment doesn't ask for it.
-pub fn error_by_class(results: &Results, scene: &str, frame: usize, receivers: &str) -> Option<Table> {
+pub(super) fn error_by_class(results: &Results, scene: &str, frame: usize, receivers: &str) -> Option<Table> {
     let classes_of = |run: &'_ Run| run.error.as_ref().map_or(Vec::new(), |error| error.classes.clone());
     let runs: Vec<(&Run, Vec<ClassError>)> = runs_of(results, scene, frame, receivers)
         .filter(|run| run.reference() == "mesh")
@@ -27,7 +32,7 @@ pub fn error_by_class(results: &Results, scene: &str, frame: usize, receivers: &
     let rows = runs.iter().map(|(run, classes)| {
         let cell = |class: &str| {
             let found = classes.iter().find(|found| found.class == class);
-            found.map_or(Cell::empty(), |found| super::relative_rmse(&found.metrics))
+            found.map_or(Cell::empty(), |found| relative_rmse(&found.metrics))
         };
         std::iter::once(Cell::text(run.label.as_str())).chain(shown.iter().map(|(class, _)| cell(class))).collect()
     });
@@ -47,7 +52,7 @@ pub fn error_by_class(results: &Results, scene: &str, frame: usize, receivers: &
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{results::tests::example, table::Format};
+    use crate::{report::Format, results::tests::example};
 
     #[test]
     fn classes_are_columns_in_a_fixed_order() {

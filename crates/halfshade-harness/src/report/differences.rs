@@ -1,10 +1,14 @@
 //! Strategies beside each other instead of beside the truth.
 
-use super::{Cell, Column, Table, runs_of, significant};
+use super::{
+    groups::runs_of,
+    significant::significant,
+    table::{Cell, Column, Table},
+};
 use crate::{Results, metrics::relative, results::TimeFigures, statistics::Spread};
 
 /// One row for each pair; `None` if the experiment asks for none.
-pub fn differences(results: &Results, scene: &str, frame: usize, receivers: &str) -> Option<Table> {
+pub(super) fn differences(results: &Results, scene: &str, frame: usize, receivers: &str) -> Option<Table> {
     let of_frame =
         |it: &&crate::results::Difference| it.scene == scene && it.frame == frame && it.receivers == receivers;
     let time_of = |label: &str| {
@@ -50,7 +54,7 @@ fn ratio(first: &TimeFigures, second: &TimeFigures) -> Option<Spread> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{results::tests::example, table::Format};
+    use crate::{report::Format, results::tests::example};
 
     #[test]
     fn every_pair_is_a_row_with_its_ratio_of_times() {

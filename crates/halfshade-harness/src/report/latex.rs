@@ -1,8 +1,14 @@
 //! LaTeX: a `tabular` for the packages booktabs and (to keep it in the text's width) graphicx.
 
-use super::Table;
+use super::{page::Page, table::Table};
 
-pub(super) fn write(table: &Table, provenance: &str) -> String {
+/// The tables alone: what else a paper says is its own.
+pub(super) fn page(page: &Page) -> String {
+    page.tables().map(|content| table(content, &page.provenance) + "\n").collect()
+}
+
+/// A table with its caption, and in a comment where it comes from.
+pub(super) fn table(table: &Table, provenance: &str) -> String {
     let numeric = |c: usize| table.columns[c].better.is_some() || table.rows.iter().any(|row| row[c].value.is_some());
     let alignment: String = (0..table.columns.len()).map(|c| if numeric(c) { 'r' } else { 'l' }).collect();
     let mut text = format!("% {}\n", provenance.replace(['\n', '\r'], " "));
