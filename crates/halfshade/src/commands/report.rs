@@ -1,8 +1,9 @@
 //! `halfshade report`: tables and plots from stored results.
 
-use super::{Context, Failure};
+use super::context::Context;
 use crate::{
     cli::{FormatChoice, ReportArguments},
+    failure::Failure,
     terminal,
 };
 use halfshade_harness::{

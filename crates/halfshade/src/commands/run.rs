@@ -1,7 +1,7 @@
 //! `halfshade run`: the main job.
 
-use super::{Context, Failure};
-use crate::{cli::RunArguments, terminal};
+use super::context::Context;
+use crate::{cli::RunArguments, failure::Failure, terminal};
 use halfshade_harness::{
     Experiment,
     report::{Format, page},
