@@ -1,5 +1,8 @@
 //! The rules of the house: who may depend on whom, and who may look at the clock.
 
+mod circles;
+
+use circles::{Sources, circles};
 use std::{
     collections::BTreeMap,
     path::{Path, PathBuf},
@@ -10,7 +13,7 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// Name of each of our crates and of those of ours that it depends on; tests and benchmarks may use more.
+/// Name of each of our crates and of what it is made of; tests and benchmarks may use more.
 fn dependencies() -> BTreeMap<String, Vec<String>> {
     let output = Command::new(env!("CARGO"))
         .args(["metadata", "--format-version", "1", "--no-deps", "--offline"])
@@ -20,29 +23,57 @@ fn dependencies() -> BTreeMap<String, Vec<String>> {
     let metadata: serde_json::Value = serde_json::from_slice(&output.stdout).expect("metadata is JSON");
     let packages = metadata["packages"].as_array().expect("packages");
     let of = |package: &serde_json::Value| {
-        let ours = package["dependencies"].as_array().into_iter().flatten().filter(|d| d["kind"].is_null());
-        ours.filter_map(|d| d["name"].as_str()).map(str::to_owned).collect::<Vec<_>>()
+        let needed = package["dependencies"].as_array().into_iter().flatten().filter(|d| d["kind"] != "dev");
+        needed.filter_map(|d| d["name"].as_str()).map(str::to_owned).collect::<Vec<_>>()
     };
     packages.iter().map(|package| (package["name"].as_str().expect("a name").to_owned(), of(package))).collect()
 }
 
+/// What each of our crates may be made of, as ARCHITECTURE.md draws it: lines such as `truth ← scene`.
+fn drawn() -> BTreeMap<String, Vec<String>> {
+    let text = std::fs::read_to_string(root().join("ARCHITECTURE.md")).expect("ARCHITECTURE.md");
+    let plan = text.split("Dependencies run one way").nth(1).and_then(|rest| rest.split("```").nth(1)).expect("a plan");
+    let full = |name: &str| match name {
+        "halfshade" => name.to_owned(),
+        part => format!("halfshade-{part}"),
+    };
+    let lines = plan.lines().filter(|line| !line.trim().is_empty());
+    let line = |line: &str| {
+        let (name, parts) = line.split_once('←').unwrap_or((line, ""));
+        (full(name.trim()), parts.split_whitespace().map(full).collect())
+    };
+    lines.map(line).collect()
+}
+
 #[test]
-fn dependencies_run_one_way() {
-    let allowed: BTreeMap<&str, &[&str]> = BTreeMap::from([
-        ("halfshade-sh", &[][..]),
-        ("halfshade-scene", &[]),
-        ("halfshade-truth", &["halfshade-scene"]),
-        ("halfshade-strategy", &["halfshade-scene", "halfshade-truth"]),
-        ("halfshade-strategies", &["halfshade-sh", "halfshade-scene", "halfshade-strategy"]),
-        ("halfshade-gpu", &["halfshade-sh", "halfshade-scene", "halfshade-strategy", "halfshade-strategies"]),
-        ("halfshade-harness", &["halfshade-scene", "halfshade-strategy", "halfshade-truth"]),
-    ]);
-    let found = dependencies();
+fn dependencies_are_those_that_the_plan_draws() {
+    let (found, drawn) = (dependencies(), drawn());
     assert!(found.len() >= 8, "{:?}", found.keys());
     for (name, dependencies) in found {
-        let Some(allowed) = allowed.get(name.as_str()) else { continue };
+        let allowed = drawn.get(&name).unwrap_or_else(|| panic!("ARCHITECTURE.md draws no {name}"));
         for dependency in dependencies.iter().filter(|d| d.starts_with("halfshade")) {
-            assert!(allowed.contains(&dependency.as_str()), "{name} must not depend on {dependency}");
+            assert!(
+                allowed.contains(dependency),
+                "{name} must not depend on {dependency}: ARCHITECTURE.md doesn't draw it"
+            );
+        }
+    }
+}
+
+/// Whatever else the plan may come to draw.
+#[test]
+fn the_plan_draws_nothing_that_would_share_a_mistake_with_the_truth_or_favour_a_strategy() {
+    let drawn = drawn();
+    let forbidden = [
+        ("truth", &["sh", "strategy", "strategies"][..]),
+        ("strategy", &["truth"]),
+        ("strategies", &["truth"]),
+        ("harness", &["sh", "strategies"]),
+    ];
+    for (name, others) in forbidden {
+        let parts = &drawn[&format!("halfshade-{name}")];
+        for other in others {
+            assert!(!parts.contains(&format!("halfshade-{other}")), "ARCHITECTURE.md draws {name} ← {other}");
         }
     }
 }
@@ -71,6 +102,22 @@ fn sources(folder: &Path) -> Vec<(PathBuf, String)> {
     }
     assert!(!found.is_empty(), "{} holds no source", folder.display());
     found
+}
+
+#[test]
+fn no_two_files_of_a_crate_use_each_other_in_a_circle() {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(root().join("crates")).expect("the crates") {
+        let folder = entry.expect("an entry").path().join("src");
+        let below = |(path, text): (PathBuf, String)| (path.strip_prefix(&folder).expect("below src").to_owned(), text);
+        let files: Sources = sources(&folder).into_iter().map(below).collect();
+        for circle in circles(&files) {
+            let files: Vec<String> = circle.files.iter().map(|file| file.display().to_string()).collect();
+            let place = folder.parent().and_then(Path::file_name).unwrap_or_default().display();
+            found.push(format!("{place}: {}\n    {}", files.join(", "), circle.uses.join("\n    ")));
+        }
+    }
+    assert!(found.is_empty(), "{} circles:\n{}", found.len(), found.join("\n"));
 }
 
 #[test]
