@@ -16,8 +16,8 @@
 use crate::{
     HarnessError, Metrics, Results,
     metrics::relative,
+    report::{Cell, Column, Table, significant},
     results::{Run, Status},
-    table::{Cell, Column, Table, significant},
 };
 
 /// How often a check may fail by noise alone.

@@ -1,6 +1,9 @@
 //! Error by class of what hides the light at a receiver: its own object, another one, the ground, nothing.
 
-use crate::metrics::{Metrics, Reference, compare_class};
+use crate::{
+    errors::Reference,
+    metrics::{Metrics, compare_class},
+};
 use halfshade_scene::RadianceBuffer;
 use halfshade_truth::Hider;
 use serde::{Deserialize, Serialize};

@@ -42,7 +42,7 @@
 //! bands = [2, 3, 4]
 //! ```
 
-use crate::{HarnessError, Weighting, file_names::is_folder_name, machine::MAX_THREADS};
+use crate::{HarnessError, Weighting, file_names::is_folder_name, threads::MAX_THREADS};
 use halfshade_scene::{camera::check_resolution, text};
 use halfshade_truth::MAX_SAMPLES;
 use serde::{Deserialize, Deserializer, Serialize, de::Error as _};

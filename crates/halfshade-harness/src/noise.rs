@@ -15,7 +15,7 @@
 //!   a random k and sign. d is e shrunk by its noise, `e √max(0, 1 − s²/e²)`, so that noise isn't counted twice. Only values
 //!   that can get among the largest take part.
 
-use crate::metrics::{Errors, tail_percentile};
+use crate::errors::{Errors, tail_percentile};
 use halfshade_truth::DRAWS;
 use rayon::prelude::*;
 

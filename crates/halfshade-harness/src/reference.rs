@@ -1,7 +1,7 @@
 //! References: the truth, and truths of simpler scenes that tell where an error comes from.
 
 use crate::{
-    HarnessError, ReferenceKind, metrics::Reference, reference_key::key, shading::count_not_finite,
+    HarnessError, ReferenceKind, errors::Reference, reference_key::key, shading::count_not_finite,
     weights::ReceiverWeights,
 };
 use halfshade_scene::{Environment, Progress, RadianceBuffer, Receivers, Scene, cache::Cache};

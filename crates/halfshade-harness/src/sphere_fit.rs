@@ -8,10 +8,7 @@
 //! Where an object rests on the ground, most of the error may lie in the few receivers under it, inside spheres that dip
 //! below the plane, and depend on the rule by which those are adjusted rather than on how well they fit.
 
-use crate::{
-    metrics::{Reference, compare},
-    weights::ReceiverWeights,
-};
+use crate::{errors::Reference, metrics::compare, weights::ReceiverWeights};
 use glam::Vec3;
 use halfshade_scene::{
     Environment, Material, Mesh, Motion, Object, Pose, Progress, ReceiverBuffer, Scene, SphereSet, spheres::AdjustRule,

@@ -1,6 +1,6 @@
 //! Small scenes with real traces, for tests of what the truth's noise does to figures.
 
-use crate::{Weighting, metrics::Reference, weights::ReceiverWeights};
+use crate::{Weighting, errors::Reference, weights::ReceiverWeights};
 use glam::Vec3;
 use halfshade_scene::{
     Environment, Frame, Motion, Pose, RadianceBuffer, ReceiverBuffer, Scene, SphereLight, builtin,

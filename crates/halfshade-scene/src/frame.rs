@@ -28,6 +28,24 @@ pub struct Placement {
     deformed: Vec<Option<Arc<Deformed>>>,
 }
 
+impl Scene {
+    /// The scene at frame `index`. Frames past the end are valid: motions hold their last pose.
+    pub fn frame(&self, index: usize) -> Frame<'_> {
+        let time_secs = index as f64 / self.frames_per_sec;
+        Frame {
+            scene: self,
+            index,
+            world_from_object: self.objects.iter().map(|object| object.motion.at(time_secs)).collect(),
+            deformed: self.objects.iter().map(|object| object.deformed(time_secs)).collect(),
+            world_from_environment: Quat::from_axis_angle(
+                Vec3::Y,
+                (f64::from(self.environment_turn_per_sec) * time_secs) as f32,
+            ),
+            lights: self.lights.iter().map(|(light, motion)| light.moved(&motion.at(time_secs))).collect(),
+        }
+    }
+}
+
 impl Frame<'_> {
     /// Radiance that arrives from infinitely far along unit `direction_in_world` (pointing away from the receiver).
     pub fn environment_radiance(&self, direction_in_world: Vec3) -> Vec3 {

@@ -3,11 +3,14 @@
 use crate::{
     Camera, Deformed, Environment, Gloss, GlossVariation, Material, Mesh, Motion, Skin, SphereLight, SphereSet, Texture,
 };
-use glam::{DVec3, Quat, Vec3};
+use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
 /// Most bounces that a scene may ask for: at an albedo of 0.8 what is left is 0.03 of the light.
 pub const MAX_BOUNCES: usize = 16;
+
+/// Frames per second of a scene that doesn't say how many.
+pub const DEFAULT_FRAMES_PER_SEC: f64 = 30.0;
 
 /// One object: rigid, or deformed by a skin.
 #[derive(Debug, Clone)]
@@ -133,26 +136,10 @@ impl Scene {
             environment_turn_per_sec: 0.0,
             lights: Vec::new(),
             camera: Camera { eye: Vec3::Z, target: Vec3::ZERO, vertical_fov_degrees: 40.0, resolution: [16, 12] },
-            frames_per_sec: crate::file::DEFAULT_FRAMES_PER_SEC,
+            frames_per_sec: DEFAULT_FRAMES_PER_SEC,
             frame_count: 1,
             bounces: 0,
             notes: Vec::new(),
-        }
-    }
-
-    /// The scene at frame `index`. Frames past the end are valid: motions hold their last pose.
-    pub fn frame(&self, index: usize) -> crate::Frame<'_> {
-        let time_secs = index as f64 / self.frames_per_sec;
-        crate::Frame {
-            scene: self,
-            index,
-            world_from_object: self.objects.iter().map(|object| object.motion.at(time_secs)).collect(),
-            deformed: self.objects.iter().map(|object| object.deformed(time_secs)).collect(),
-            world_from_environment: Quat::from_axis_angle(
-                Vec3::Y,
-                (f64::from(self.environment_turn_per_sec) * time_secs) as f32,
-            ),
-            lights: self.lights.iter().map(|(light, motion)| light.moved(&motion.at(time_secs))).collect(),
         }
     }
 

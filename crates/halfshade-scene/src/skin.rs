@@ -11,9 +11,8 @@
 //! weights are locally constant: the usual approximation.
 
 use crate::morph::morphed;
-use crate::{Mesh, MorphTarget, Motion, Pose};
+use crate::{Deformed, Mesh, MorphTarget, Motion, Pose};
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
-use serde::Serialize;
 
 /// Most joints that move one vertex.
 pub const INFLUENCES: usize = 4;
@@ -40,15 +39,6 @@ pub struct Skin {
     pub morphs: Vec<MorphTarget>,
     /// Triangles whose corners, which are no other triangle's, have its own normal also when it deforms.
     pub flat_triangles: Vec<u32>,
-}
-
-/// The vertices of a mesh that has left its rest, in the object's space.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
-pub struct Deformed {
-    /// Positions, one per vertex.
-    pub positions: Vec<Vec3>,
-    /// Unit normals, one per vertex.
-    pub normals: Vec<Vec3>,
 }
 
 impl Skin {

@@ -28,90 +28,27 @@ use crate::{
     glossy::{GlossyIntegral, Way},
     lights::Integral,
     mixture::Mixture,
+    options::{Geometry, MAX_SAMPLES, Options, REPLICATES, Transport},
     paths::{Orders, Paths},
-    points::{MAX_POINTS, Points, Scramble},
+    points::{Points, Scramble},
     receiver::Receiver,
     sphere_albedo::SphereAlbedo,
-    tracer::{Tracer, tracing_ray},
+    tracer::Tracer,
+    visibility::trace_mesh,
 };
-use glam::{DVec3, Vec3, Vec3A};
-use halfshade_scene::{Lobes, Progress, RadianceBuffer, Receivers, spheres::AdjustRule};
+use glam::{DVec3, Vec3};
+use halfshade_scene::{Lobes, Progress, RadianceBuffer, Receivers};
 use rayon::prelude::*;
 use std::f64::consts::FRAC_1_PI;
 
-/// Independently scrambled estimates per value.
-pub const REPLICATES: usize = 16;
-
 /// Draws of the noise that come with an estimate.
 pub const DRAWS: usize = 8;
-
-/// Most samples per receiver and technique.
-pub const MAX_SAMPLES: usize = REPLICATES * MAX_POINTS;
 
 /// Numbers of scramblings of glossy receivers: past those of diffuse light.
 const FIRST_GLOSSY_SCRAMBLE: u32 = 1 << 22;
 
 /// Receivers per unit of parallel work.
 const CHUNK: usize = 32;
-
-/// What blocks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum Geometry {
-    /// The triangles of every object, receive-only objects too.
-    #[default]
-    Mesh,
-    /// The sphere sets, each sphere adjusted to each receiver. Objects without spheres block nothing here, though their
-    /// meshes do: a receiver that looks down onto a ground box sees it in the mesh reference only. That difference is
-    /// part of the geometry error.
-    Spheres(AdjustRule),
-}
-
-/// Whether anything blocks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum Transport {
-    /// Direct light with shadows.
-    #[default]
-    Shadowed,
-    /// The same integrals with visibility 1: closed forms and deterministic quadrature, no samples, no standard error. Those
-    /// over the lobes of glossy receivers are sampled.
-    Unshadowed,
-}
-
-/// How an estimate is made.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Options {
-    /// What blocks.
-    pub geometry: Geometry,
-    /// Whether anything blocks.
-    pub transport: Transport,
-    /// Samples per receiver and technique (one technique for constant light, two for a map, one more for a sun and for
-    /// each local light, two for a local light that is wide; at most two more for each light at glossy receivers). Rounded up to a multiple of [`REPLICATES`]; powers of two
-    /// from 64 on use the points best. At most [`MAX_SAMPLES`]. With a noise target, where to start.
-    pub samples: usize,
-    /// Go on until [`Estimate::relative_rms_standard_error`] is at most this, or `max_samples` are used up.
-    pub noise_target: Option<f64>,
-    /// Bounces on top of direct light, see [`crate`]: 0 is direct light alone. As many paths as samples.
-    pub bounces: usize,
-    /// Most samples per receiver and technique that a noise target may take.
-    pub max_samples: usize,
-    /// The same seed gives the same bits, on one thread or many, however receivers are split into batches (as long as
-    /// no noise target looks at all of them).
-    pub seed: u64,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self {
-            geometry: Geometry::Mesh,
-            transport: Transport::Shadowed,
-            samples: 1024,
-            noise_target: None,
-            bounces: 0,
-            max_samples: MAX_SAMPLES,
-            seed: 0,
-        }
-    }
-}
 
 /// Outgoing radiance of every receiver, and how well it is known.
 #[derive(Debug, Clone, PartialEq)]
@@ -472,21 +409,6 @@ pub(crate) fn for_every_batch(
             }
         }
     }
-}
-
-/// Sets the visibility of every sample that carries light; returns how many rays that took.
-pub(crate) fn trace_mesh(tracer: &Tracer, from: &Receiver, batch: &mut Batch) -> u64 {
-    let mut rays = 0;
-    for k in 0..batch.len {
-        batch.visible[k] = 0.0;
-        if batch.carries_light(k) {
-            rays += 1;
-            let direction = Vec3A::new(batch.direction[0][k], batch.direction[1][k], batch.direction[2][k]);
-            let ray = tracing_ray(from.ray_origin, direction, batch.distance[k]);
-            batch.visible[k] = f32::from(tracer.unoccluded(ray, from.slack));
-        }
-    }
-    rays
 }
 
 impl Sums {

@@ -19,13 +19,14 @@
 use crate::{
     batch::Batch,
     caps::Caps,
-    estimate::{Geometry, Options, trace_mesh},
     glossy::{GlossyIntegral, Way},
     mixture::Mixture,
+    options::{Geometry, Options},
     points::{Points, Scramble, unit_f32, unit_f64},
     receiver::Receiver,
     sphere_albedo::SphereAlbedo,
     tracer::Tracer,
+    visibility::trace_mesh,
 };
 use glam::{DVec3, Vec3};
 use halfshade_scene::{Gloss, Lobes};

@@ -1,10 +1,7 @@
 //! The rays of an estimate, laid open.
 
 use crate::{
-    Options, REPLICATES, Tracer,
-    batch::Batch,
-    estimate::{MAX_SAMPLES, for_every_batch},
-    points::Points,
+    Options, REPLICATES, Tracer, batch::Batch, estimate::for_every_batch, options::MAX_SAMPLES, points::Points,
 };
 use glam::{DVec3, Vec3};
 use halfshade_scene::Receivers;

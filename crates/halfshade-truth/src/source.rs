@@ -3,7 +3,7 @@
 use crate::{
     batch::{BATCH, Batch},
     environment::MapSampler,
-    lights::Cap,
+    light_cap::Cap,
     points::{Scramble, unit_f32},
 };
 use glam::{DVec3, Vec3};

@@ -1,7 +1,7 @@
 //! The arguments: a contract, extended but not broken.
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use halfshade_harness::{machine::MAX_THREADS, scene_source::MeshLight};
+use halfshade_harness::{scene_source::MeshLight, threads::MAX_THREADS};
 use halfshade_scene::{
     camera::{MAX_SIDE, check_resolution},
     light::ProbeOptions,

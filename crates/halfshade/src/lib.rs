@@ -3,35 +3,19 @@
 mod band_limit;
 mod cli;
 mod commands;
+mod failure;
+mod revision;
+mod strategies;
 mod terminal;
 
 pub use band_limit::band_limit;
 pub use cli::Cli;
+pub use revision::revision;
+pub use strategies::strategies;
 
 use clap::Parser;
-use halfshade_scene::Cache;
-use halfshade_strategies::{CosineLobe, RayTraced, ShExp, ShadowField, Unshadowed};
-use halfshade_strategy::Strategy;
+use failure::Failure;
 use std::{ffi::OsString, process::ExitCode};
-
-/// Every strategy there is; the only list. `cache` is for what they bake.
-pub fn strategies(cache: &Cache) -> Vec<Box<dyn Strategy>> {
-    vec![
-        Box::new(Unshadowed),
-        Box::new(RayTraced),
-        Box::new(ShExp),
-        Box::new(ShadowField::new(cache.clone())),
-        Box::new(CosineLobe),
-    ]
-}
-
-/// Version and, where it is known, the commit.
-pub fn revision() -> String {
-    match env!("HALFSHADE_COMMIT") {
-        "" => env!("CARGO_PKG_VERSION").to_owned(),
-        commit => format!("{} ({commit})", env!("CARGO_PKG_VERSION")),
-    }
-}
 
 /// Runs the command: 0 done, 1 a check failed, 2 bad usage or bad input.
 pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
@@ -46,8 +30,8 @@ pub fn main(arguments: impl Iterator<Item = OsString>) -> ExitCode {
     };
     match commands::dispatch(cli, arguments) {
         Ok(code) => code,
-        Err(commands::Failure::ClosedPipe) => ExitCode::SUCCESS,
-        Err(commands::Failure::Error(message)) => {
+        Err(Failure::ClosedPipe) => ExitCode::SUCCESS,
+        Err(Failure::Error(message)) => {
             terminal::error(&message);
             ExitCode::from(2)
         }

@@ -1,6 +1,6 @@
 //! Data to stdout, human text to stderr, bars and colours on a terminal only.
 
-use crate::commands::Failure;
+use crate::failure::Failure;
 use halfshade_scene::Progress;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::{

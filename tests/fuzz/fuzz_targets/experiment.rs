@@ -3,7 +3,7 @@
 //! longer than a thousand inputs.
 
 use halfshade_fuzz::{beside, file};
-use halfshade_harness::{Experiment, plan::Plan};
+use halfshade_harness::{Experiment, run::Plan};
 use halfshade_scene::{Cache, builtin};
 use libfuzzer_sys::fuzz_target;
 

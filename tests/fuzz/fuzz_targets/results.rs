@@ -2,7 +2,10 @@
 //! Results, up to every page, table and plot that is made of them, and to a check against themselves.
 
 use halfshade_fuzz::file;
-use halfshade_harness::{Results, check, report, table::Format};
+use halfshade_harness::{
+    Results, check,
+    report::{self, Format},
+};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {

@@ -3,19 +3,23 @@
 use super::document::{AnimationTable, CameraTable, Document, KeyframeTable, LightTable, Meshes, ObjectTable};
 use super::environment::environment;
 use super::source::{Source, named_notes, stem};
-use super::{DEFAULT_FRAMES_PER_SEC, DEFAULT_SPHERE_COUNT, framing, reflectance};
+use super::values::{albedo, checked, place, radiance, whole};
+use super::{framing, reflectance};
 use crate::camera::check_resolution;
-use crate::scene::MAX_BOUNCES;
+use crate::scene::{DEFAULT_FRAMES_PER_SEC, MAX_BOUNCES};
 use crate::spheres::MAX_SPHERES;
 use crate::{
     Camera, Environment, Material, Mesh, Motion, Object, Pose, Scene, SceneError, Skin, SphereLight, builtin, mesh,
 };
 use glam::{Quat, Vec3};
-use std::ops::{Range, RangeInclusive};
+use std::ops::Range;
 use std::sync::Arc;
 use toml::Spanned;
 
 type Result<T> = std::result::Result<T, SceneError>;
+
+/// Leaf spheres of an object that doesn't say how many.
+pub const DEFAULT_SPHERE_COUNT: usize = 64;
 
 /// Largest number of clusters of one object.
 const MAX_CLUSTERS: i64 = 100_000;
@@ -61,53 +65,6 @@ pub(super) fn scene(source: &Source<'_>, document: Document) -> Result<Scene> {
         bounces,
         notes,
     })
-}
-
-/// A whole number within a range, or its default.
-fn whole(
-    source: &Source<'_>,
-    what: &str,
-    value: Option<Spanned<i64>>,
-    range: RangeInclusive<i64>,
-    default: usize,
-) -> Result<usize> {
-    let Some(value) = value else { return Ok(default) };
-    let number = *value.get_ref();
-    if range.contains(&number) {
-        return Ok(number as usize);
-    }
-    let (min, max) = range.into_inner();
-    Err(source.error(value.span(), format!("{what} = {number} lies outside of {min} to {max}")))
-}
-
-/// A value that `fits`, or an error that says what is expected.
-pub(super) fn checked<T: Copy + std::fmt::Debug>(
-    source: &Source<'_>,
-    what: &str,
-    value: &Spanned<T>,
-    expected: &str,
-    fits: impl Fn(T) -> bool,
-) -> Result<T> {
-    let inner = *value.get_ref();
-    if fits(inner) {
-        return Ok(inner);
-    }
-    Err(source.error(value.span(), format!("{what} = {inner:?} must be {expected}")))
-}
-
-/// A point or a shift: three finite numbers.
-fn place(source: &Source<'_>, what: &str, value: &Spanned<[f32; 3]>) -> Result<Vec3> {
-    checked(source, what, value, "three finite numbers", |v| Vec3::from(v).is_finite()).map(Vec3::from)
-}
-
-fn albedo(source: &Source<'_>, what: &str, value: &Spanned<[f32; 3]>) -> Result<Vec3> {
-    let fits = |v: [f32; 3]| v.iter().all(|x| (0.0..=1.0).contains(x));
-    checked(source, what, value, "within [0, 1]", fits).map(Vec3::from)
-}
-
-pub(super) fn radiance(source: &Source<'_>, what: &str, value: &Spanned<[f32; 3]>) -> Result<Vec3> {
-    let fits = |v: [f32; 3]| v.iter().all(|x| x.is_finite() && *x >= 0.0);
-    checked(source, what, value, "finite and not negative", fits).map(Vec3::from)
 }
 
 fn pose(

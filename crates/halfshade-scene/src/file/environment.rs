@@ -1,8 +1,8 @@
 //! The light from infinitely far in a scene file.
 
-use super::build::{checked, radiance};
 use super::document::{EnvironmentTable, SkyTable};
 use super::source::{Source, named_notes};
+use super::values::{checked, radiance};
 use crate::light::{ProbeOptions, Projection, Sky, load_probe};
 use crate::{Environment, SceneError};
 use glam::Vec3;

@@ -61,18 +61,15 @@ mod environment;
 mod framing;
 mod reflectance;
 mod source;
+mod values;
+
+pub use build::DEFAULT_SPHERE_COUNT;
 
 use crate::{Environment, Material, Motion, Object, Pose, Scene, SceneError, builtin, mesh, text};
 use glam::Vec3;
 use source::Source;
 use std::path::Path;
 use std::sync::Arc;
-
-/// Leaf spheres of an object that doesn't say how many.
-pub const DEFAULT_SPHERE_COUNT: usize = 64;
-
-/// Frames per second of a scene that doesn't say how many.
-pub const DEFAULT_FRAMES_PER_SEC: f64 = 30.0;
 
 /// Reads a scene file and all that it names; sphere sets are not built yet.
 pub fn load(path: &Path) -> Result<Scene, SceneError> {

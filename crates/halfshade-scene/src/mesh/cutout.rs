@@ -1,18 +1,7 @@
 //! Holes in a surface: where alpha is below a cutoff, there is none.
 
-use super::Mesh;
-use crate::Texture;
+use super::{AlphaMask, Mesh};
 use glam::{DVec2, DVec3};
-use std::sync::Arc;
-
-/// What cuts holes into triangles: alpha below a cutoff.
-#[derive(Debug, Clone, PartialEq)]
-pub struct AlphaMask {
-    /// Alpha, in all channels, by the mesh's texture coordinates; 1 without one.
-    pub texture: Option<Arc<Texture>>,
-    /// Alpha from here on is surface.
-    pub cutoff: f32,
-}
 
 impl Mesh {
     /// Whether any triangle may have holes.
@@ -52,7 +41,9 @@ impl Mesh {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Texture;
     use glam::{Vec2, Vec3};
+    use std::sync::Arc;
 
     #[test]
     fn alpha_of_vertices_and_texture_multiply() {

@@ -9,6 +9,7 @@
 
 mod accessor;
 mod document;
+mod emission;
 mod extensions;
 mod instances;
 mod material;
@@ -19,8 +20,8 @@ mod textures;
 mod track;
 mod uri;
 
+use super::animation::Animation;
 use super::assemble::{RawMesh, RawMorph};
-use super::load::Animation;
 use crate::{Joint, SceneError};
 use ::gltf::{Document, Node};
 use document::Buffers;

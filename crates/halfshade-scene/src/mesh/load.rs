@@ -1,10 +1,8 @@
 //! Mesh files: which loader reads what.
 
 use super::assemble::{Assembled, LARGEST_COORDINATE, assemble};
-use super::{ColorEncoding, Mesh, gltf, obj, ply};
+use super::{Animation, ColorEncoding, Mesh, gltf, obj, ply};
 use crate::{SceneError, Skin};
-use serde::Deserialize;
-use std::fmt;
 use std::path::Path;
 
 /// Extensions of the mesh files that [`load`] reads, in lower case.
@@ -59,25 +57,6 @@ fn check_extension(path: &Path) -> Result<(), SceneError> {
         extension => Err(SceneError::new(format!("`.{extension}` is no mesh format known here"))
             .with_remedy(format!("use one of: .{}", EXTENSIONS.join(", .")))
             .in_file(path)),
-    }
-}
-
-/// One of the animations of a glTF file.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
-#[serde(untagged, expecting = "expected the number or the name of an animation")]
-pub enum Animation {
-    /// By its place in the file, from 0.
-    Number(usize),
-    /// By its name.
-    Name(String),
-}
-
-impl fmt::Display for Animation {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Number(number) => write!(f, "{number}"),
-            Self::Name(name) => write!(f, "`{name}`"),
-        }
     }
 }
 

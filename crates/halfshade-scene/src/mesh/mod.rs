@@ -1,5 +1,7 @@
 //! Triangle meshes in object space: loading, welding, repair, normals.
 
+mod alpha_mask;
+mod animation;
 mod assemble;
 mod colors;
 mod corners;
@@ -16,11 +18,10 @@ mod topology;
 mod weld;
 mod words;
 
+pub use alpha_mask::AlphaMask;
+pub use animation::Animation;
 pub use colors::ColorEncoding;
-pub use cutout::AlphaMask;
-pub use load::{
-    Animation, EXTENSIONS, load, load_animated, load_animated_with_notes, load_with_colors, load_with_notes, parse,
-};
+pub use load::{EXTENSIONS, load, load_animated, load_animated_with_notes, load_with_colors, load_with_notes, parse};
 pub use normals::smooth_normals;
 pub use repair::repaired;
 pub use topology::{Body, Topology};

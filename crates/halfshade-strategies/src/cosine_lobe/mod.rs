@@ -88,23 +88,25 @@ mod environment;
 mod light;
 mod lobes;
 mod mask;
+mod moment;
 mod parameters;
 mod reflectance;
 mod sampled;
 mod shade;
 mod shared;
 mod square;
+mod tables;
 mod visibility;
 mod weights;
 
 use crate::shared::origin::origin_of;
-use blockers::{Ball, Body, Spheres, bodies, placed_spheres};
-use environment::{Fitted, Surroundings};
-use glam::{DVec3, Vec3};
+use blockers::{Body, Spheres, bodies, placed_spheres};
+use environment::Fitted;
 use halfshade_scene::{Environment, EyeLobes, Frame, Progress, RadianceMut, Receivers, Scene, once};
 use halfshade_sh::lobe::{CapTable, LobeTable, ProductRule};
 use halfshade_strategy::{Baked, Detail, Effect, Effects, Footprint, Info, Params, Strategy, StrategyError};
 use light::Light;
+use moment::Moment;
 use parameters::{Order, Settings};
 use sampled::Sampler;
 use shade::Shading;
@@ -113,6 +115,7 @@ use std::sync::{
     OnceLock,
     atomic::{AtomicU64, Ordering::Relaxed},
 };
+use tables::Tables;
 use weights::WeightTable;
 
 /// The strategy.
@@ -175,37 +178,6 @@ impl Settings {
 fn table_of(rule: ProductRule) -> &'static LobeTable {
     static TABLES: [OnceLock<LobeTable>; ProductRule::ALL.len()] = [const { OnceLock::new() }; ProductRule::ALL.len()];
     once(&TABLES[rule as usize], || LobeTable::build(rule))
-}
-
-/// What depends on no frame.
-#[derive(Debug)]
-struct Tables {
-    products: &'static LobeTable,
-    caps: CapTable,
-    cells: Cells,
-    weights: WeightTable,
-    /// In place of products.
-    sampler: Option<Sampler>,
-}
-
-/// The scene in a frame. Lengths are about the origin of the frame, so that a scene may lie anywhere.
-#[derive(Debug)]
-struct Moment {
-    origin: DVec3,
-    spheres: Spheres,
-    /// Around all of them.
-    ball: Ball,
-    lights: Vec<Light>,
-    surroundings: Option<Surroundings>,
-    /// All directions alike, for receivers within a light.
-    everywhere: Option<Surroundings>,
-    eye_lobes: Option<EyeLobes>,
-}
-
-impl Moment {
-    fn local(&self, point: Vec3) -> [f32; 3] {
-        (point.as_dvec3() - self.origin).as_vec3().to_array()
-    }
 }
 
 /// What was done since baking.

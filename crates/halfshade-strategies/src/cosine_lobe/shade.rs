@@ -1,15 +1,16 @@
 //! The sum over lights of what a receiver reflects of each [Meunier2009, 4.3 and 5.4].
 
 use super::{
-    Moment, Tables,
     blockers::{Ball, Receiver, Spheres},
     environment,
     light::Light,
     lobes::{CellLobes, Shape},
+    moment::Moment,
     parameters::{Order, Settings, Stage},
     reflectance::{Horizon, MOST_TERMS, Term, Terms},
     shared::{Cubes, Masks},
     square::Square,
+    tables::Tables,
     visibility::{Hidden, Visibility},
     weights::light_lobe,
 };

@@ -1,12 +1,12 @@
 //! What spheres hide of a light, as lobes [Meunier2009, 5.3].
 
 use super::{
-    Tables,
     blockers::{Receiver, Spheres},
     lobes::{CellLobes, Shape},
     mask::{Cell, Disc, Mask, covered_fractions},
     parameters::{Leaves, Order, Settings, Stage, Weights},
     square::Square,
+    tables::Tables,
 };
 
 /// How much of a light spheres hide.

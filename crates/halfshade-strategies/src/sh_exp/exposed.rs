@@ -1,7 +1,7 @@
 //! `exp=shares`: visibility as one minus what each sphere alone covers, in place of products and exponentials.
 
-use super::Prepared;
 use super::blockers::{Blocker, Seen};
+use super::prepared::Prepared;
 use glam::DMat3;
 use halfshade_sh::kernel::{self, CapBatch, ExposedShares, ShBatch};
 use wide::f32x8;

@@ -73,12 +73,12 @@ mod levels;
 mod light_product;
 mod moment;
 mod parameters;
+mod prepared;
 mod reflections;
 mod shade;
 mod sun_product;
 mod traced;
 
-use clusters::ObjectClusters;
 use cuts::{Choice, CutOf, CutSettings, Cuts, ReflectionRatios};
 use ground::Ground;
 use halfshade_scene::{
@@ -96,6 +96,7 @@ use halfshade_strategy::{Baked, Effect, Effects, Footprint, Info, Params, Strate
 use levels::{Levels, Overlap};
 use light_product::LightProduct;
 use moment::Moment;
+use prepared::{Combination, Prepared};
 use reflections::Reflections;
 use std::sync::Arc;
 
@@ -242,40 +243,6 @@ impl Strategy for ShExp {
 /// 4 bands 0.5 is within a tenth of the full series. The series and the quadratic form have the square.
 fn default_magnitude_limit(exp: &str, bands: usize) -> f64 {
     if exp == "hybrid" { 8.0 / (bands * bands) as f64 } else { 1.0 }
-}
-
-/// How the blockers of a receiver become its visibility.
-#[derive(Debug)]
-enum Combination {
-    /// One product after another.
-    Product,
-    /// Each takes away its share.
-    Shares { points: usize },
-    /// None: found direction by direction.
-    Traced { directions: usize },
-    /// Logarithms are summed.
-    Exponential(BatchExponential),
-}
-
-/// Tables of the scene, spheres and light of the frame.
-#[derive(Debug)]
-struct Prepared {
-    bands: usize,
-    rule: AdjustRule,
-    clamp: bool,
-    table: Arc<BlockerTable>,
-    combination: Combination,
-    light: LightProduct,
-    levels: Levels,
-    /// Receiver clusters, object by object.
-    clusters: Vec<Arc<ObjectClusters>>,
-    cut_settings: CutSettings,
-    cuts: Cuts,
-    reflections: Option<Reflections>,
-    /// Objects without spheres, if they are to be seen.
-    ground: Option<Ground>,
-    /// What everything above stands for.
-    moment: Option<Moment>,
 }
 
 impl Baked for Prepared {

@@ -1,10 +1,10 @@
 //! The inner loops: eight receivers side by side, one sphere after another.
 
 use super::{
-    Combination, Prepared,
     blockers::Blocker,
     cuts::{CutOf, Cuts, ReflectionRatios},
     exposed::Exposure,
+    prepared::{Combination, Prepared},
     reflections::{Gather, Reflections},
     traced::Traced,
 };

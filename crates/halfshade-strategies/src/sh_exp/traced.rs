@@ -12,9 +12,9 @@
 //! with ρ̂_n the clamped cosine over π in as many bands, and w = 4π over the number of directions.
 
 use super::{
-    Prepared,
     blockers::{Blocker, Seen},
     directions::{even_directions, weighted},
+    prepared::Prepared,
 };
 use halfshade_sh::kernel::{self, ShBatch};
 use wide::f32x8;

@@ -1,6 +1,5 @@
 //! What fields are made of: vectors of coefficients of a basis over directions.
 
-use super::shells::Grid;
 use crate::shared::triangle_rays::{Start, TriangleRays, holes_of};
 use glam::Vec3;
 use halfshade_scene::Mesh;
@@ -72,27 +71,6 @@ pub(super) enum Storage {
     U8,
     F16,
     F32,
-}
-
-/// The vectors of a shell.
-pub(super) type VectorOf<S> = <<S as Shell>::Basis as Basis>::Vector;
-
-/// A shell as it is kept for shading.
-pub(super) trait Shell: Sized + Send + Sync {
-    type Basis: Basis;
-    /// What vectors are added up in.
-    type Sum;
-
-    fn store(basis: &Self::Basis, grid: &Grid<VectorOf<Self>>, storage: Storage) -> Self;
-
-    /// Sample points along longitude, as along latitude.
-    fn resolution(&self) -> usize;
-
-    /// Memory that it takes.
-    fn bytes(&self) -> usize;
-
-    /// Adds `share` of the weighted sum of four samples; weights are of sum 1.
-    fn add(&self, samples: [(usize, f32); 4], share: f32, sum: &mut Self::Sum);
 }
 
 /// The triangles of a mesh, in its own space.

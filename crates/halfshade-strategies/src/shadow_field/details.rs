@@ -3,8 +3,9 @@
 use super::{
     arrangement::Arrangement,
     baking::Known,
-    basis::{Ball, Basis, Shell, VectorOf, rays},
+    basis::{Ball, Basis, rays},
     field::Field,
+    shell::{Shell, VectorOf},
     shells::direction,
     solid::Solid,
 };

@@ -2,7 +2,8 @@
 
 use super::{
     adaptive::{kept_shells, thinned},
-    basis::{Ball, Basis, Shell, Storage, VectorOf},
+    basis::{Ball, Basis, Storage},
+    shell::{Shell, VectorOf},
     shells::{Corners, Grid, direction, place},
     solid::Solid,
 };

@@ -48,6 +48,7 @@ mod details;
 mod field;
 mod haar;
 mod sh;
+mod shell;
 mod shells;
 mod solid;
 mod traced;

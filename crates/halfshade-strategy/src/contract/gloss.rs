@@ -1,6 +1,7 @@
 //! The clause about glossy reflectance, with every model's formula written out here once more.
 
-use super::{Bounds, Checked, rendered, scenes, violation};
+use super::bounds::{Bounds, Checked, violation};
+use super::{render::rendered, scenes};
 use crate::{Effect, Effects, Params, Strategy, StrategyError};
 use glam::{DVec3, Vec3};
 use halfshade_scene::{

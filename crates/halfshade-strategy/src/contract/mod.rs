@@ -2,82 +2,21 @@
 //!
 //! The reference values come from quadrature over directions written here, so that no code is shared with what is tested.
 
+mod bounds;
 mod gloss;
+mod render;
 mod scenes;
 
-use crate::{Baked, Effect, Params, Strategy};
+use crate::{Effect, Params, Strategy};
 use glam::{DVec3, Quat, Vec3};
-use halfshade_scene::{
-    Environment, Frame, RadianceBuffer, ReceiverBuffer, Scene, Sphere, light::Sun, progress::Silent,
-};
+use halfshade_scene::{Environment, Frame, RadianceBuffer, ReceiverBuffer, Sphere, light::Sun};
 use std::f64::consts::{PI, TAU};
 
+pub use bounds::{Bounds, Violation};
 pub use gloss::gloss_is_modelled_or_refused;
 
-/// How far a strategy may stray, as fractions of the scene's mean unshadowed radiance.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bounds {
-    /// Without blockers, from the closed form of constant light.
-    pub constant: f32,
-    /// Without blockers, from quadrature over a map, a sun or a lamp.
-    pub quadrature: f32,
-    /// The same for glossy receivers, for whom a highlight may be many times the mean.
-    pub gloss: f32,
-    /// Between a scene and the same scene turned with everything in it.
-    pub rotation: f32,
-    /// Of a receiver's radiance upwards when a blocker is added.
-    pub brightening: f32,
-}
-
-/// What went wrong, with the numbers.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{0}")]
-pub struct Violation(String);
-
-type Checked = Result<(), Violation>;
-
-fn violation(message: String) -> Checked {
-    Err(Violation(message))
-}
-
-fn baked(strategy: &dyn Strategy, params: &Params, scene: &Scene) -> Result<Box<dyn Baked>, Violation> {
-    strategy.bake(scene, params, &Silent).map_err(|error| Violation(format!("bake: {error}")))
-}
-
-/// The scene with two bounces, if the strategy can model them.
-fn bounced(strategy: &dyn Strategy, scene: Scene) -> Scene {
-    let bounces = if strategy.info().effects.contains(Effect::Interreflection) { 2 } else { 0 };
-    Scene { bounces, ..scene }
-}
-
-/// The scene; for a strategy without light from infinitely far, lamps take that light's place, as strong as the first one's
-/// constant part is.
-fn lit(strategy: &dyn Strategy, scene: Scene) -> Scene {
-    if strategy.info().effects.contains(Effect::EnvironmentLight) { scene } else { scenes::by_lamps(scene) }
-}
-
-fn prepare(baked: &mut dyn Baked, frame: &Frame<'_>) -> Checked {
-    baked.prepare(frame).map_err(|error| Violation(format!("prepare: {error}")))
-}
-
-fn shade(baked: &dyn Baked, receivers: &ReceiverBuffer) -> RadianceBuffer {
-    // Whoever writes nothing is found out.
-    let mut out = RadianceBuffer::zeros(receivers.len());
-    out.channels.iter_mut().for_each(|channel| channel.fill(f32::NAN));
-    baked.shade(receivers.view(), out.view_mut());
-    out
-}
-
-fn rendered(
-    strategy: &dyn Strategy,
-    params: &Params,
-    scene: &Scene,
-    receivers: &ReceiverBuffer,
-) -> Result<RadianceBuffer, Violation> {
-    let mut baked = baked(strategy, params, scene)?;
-    prepare(baked.as_mut(), &scene.frame(0))?;
-    Ok(shade(baked.as_ref(), receivers))
-}
+use bounds::{Checked, violation};
+use render::{baked, bounced, lit, prepare, rendered, shade};
 
 /// Unshadowed radiance of a white receiver by the midpoint rule over its hemisphere, suns and lamps apart.
 fn unshadowed(frame: &Frame<'_>, position: Vec3, normal: Vec3) -> DVec3 {

@@ -1,9 +1,9 @@
 //! The tests are tested: a strategy that breaks one clause must fail that clause, and an honest one none.
 
 use super::*;
-use crate::{Effects, Footprint, Info, StrategyError};
+use crate::{Baked, Effects, Footprint, Info, StrategyError};
 use glam::Mat3;
-use halfshade_scene::{Progress, RadianceMut, Receivers, light::DistantLight};
+use halfshade_scene::{Progress, RadianceMut, Receivers, Scene, light::DistantLight};
 use std::sync::atomic::{AtomicU32, Ordering};
 
 #[derive(Debug, Clone, Copy, PartialEq)]

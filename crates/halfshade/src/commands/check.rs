@@ -1,8 +1,8 @@
 //! `halfshade check`: has an error grown?
 
-use super::{Context, Failure};
-use crate::{cli::CheckArguments, terminal};
-use halfshade_harness::{Experiment, Results, check::compare, run::RunOptions, table::Format};
+use super::context::Context;
+use crate::{cli::CheckArguments, failure::Failure, terminal};
+use halfshade_harness::{Experiment, Results, check::compare, report::Format, run::RunOptions};
 use halfshade_scene::Progress;
 use std::process::ExitCode;
 

@@ -1,8 +1,9 @@
 //! `halfshade list`: what there is.
 
-use super::{Context, Failure};
+use super::context::Context;
 use crate::{
     cli::{ListArguments, ListChoice},
+    failure::Failure,
     terminal,
 };
 use halfshade_scene::builtin::SCENES;

@@ -1,7 +1,11 @@
 //! `halfshade render`: one picture.
 
-use super::{Context, Failure, background, default_output, exposure, prepare_output, sees_nothing};
-use crate::cli::{ReceiverChoice, RenderArguments};
+use super::context::Context;
+use super::picture::{background, default_output, exposure, sees_nothing};
+use crate::{
+    cli::{ReceiverChoice, RenderArguments},
+    failure::Failure,
+};
 use halfshade_harness::{
     Variant,
     image_io::{check_extension, write_picture},
@@ -17,7 +21,7 @@ pub(super) fn render(context: &Context, arguments: &RenderArguments) -> Result<E
     let variant = Variant::parse(&context.strategies, &arguments.strategy).map_err(Failure::Error)?;
     let output = arguments.output.clone().unwrap_or_else(|| default_output(&arguments.scene, ".exr"));
     check_extension(&output)?;
-    prepare_output(context, &output)?;
+    context.prepare_output(&output)?;
     let mut scene = context.scene(&arguments.scene, &output)?;
     let strategy = &context.strategies[variant.strategy];
     let missing = strategy.info().effects.missing(Effects::required_by(&scene));

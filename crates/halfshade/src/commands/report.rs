@@ -1,16 +1,16 @@
 //! `halfshade report`: tables and plots from stored results.
 
-use super::{Context, Failure};
+use super::context::Context;
 use crate::{
     cli::{FormatChoice, ReportArguments},
+    failure::Failure,
     terminal,
 };
 use halfshade_harness::{
     HarnessError, Results,
     out_folder::{OutFolder, PRIVATE},
     output::{check_writable, prepare_folder, write_atomically},
-    report,
-    table::Format,
+    report::{self, Format},
 };
 use halfshade_scene::Progress;
 use std::{path::Path, process::ExitCode};

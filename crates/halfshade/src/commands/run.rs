@@ -1,12 +1,11 @@
 //! `halfshade run`: the main job.
 
-use super::{Context, Failure};
-use crate::{cli::RunArguments, terminal};
+use super::context::Context;
+use crate::{cli::RunArguments, failure::Failure, terminal};
 use halfshade_harness::{
     Experiment,
-    report::{provenance, tables},
+    report::{Format, page},
     run::RunOptions,
-    table::Format,
 };
 use halfshade_scene::Progress;
 use std::{ffi::OsString, path::PathBuf, process::ExitCode};
@@ -23,9 +22,9 @@ pub(super) fn run(context: &Context, arguments: &RunArguments) -> Result<ExitCod
     };
     on_interrupt(resume_command(&context.arguments))?;
     let results = context.with_tools(|tools| halfshade_harness::run::run(&experiment, tools, &options))?;
-    let provenance = provenance(&results);
-    for table in tables(&results) {
-        terminal::data(&format!("{}\n", table.write(Format::Markdown, &provenance)))?;
+    let page = page(&results);
+    for table in page.tables() {
+        terminal::data(&format!("{}\n", table.write(Format::Markdown, &page.provenance)))?;
     }
     context.bars.note(&format!("tables, plots and pictures: {}", out.join("report.md").display()));
     Ok(ExitCode::SUCCESS)

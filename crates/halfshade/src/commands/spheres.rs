@@ -1,7 +1,7 @@
 //! `halfshade spheres`: a sphere set, and how well it fits.
 
-use super::{Context, Failure, prepare_output};
-use crate::{cli::SpheresArguments, terminal};
+use super::context::Context;
+use crate::{cli::SpheresArguments, failure::Failure, terminal};
 use halfshade_harness::{
     clock::time_secs,
     output::{check_no_input, write_atomically},
@@ -21,7 +21,7 @@ pub(super) fn spheres(context: &Context, arguments: &SpheresArguments) -> Result
         return Err(Failure::Error(problem));
     }
     if let Some(output) = &arguments.output {
-        prepare_output(context, output)?;
+        context.prepare_output(output)?;
     }
     let (mesh, inputs) = input::recorded(|| scene_source::load_mesh(&arguments.mesh));
     let (mesh, notes) = mesh?;

@@ -1,14 +1,15 @@
 //! `halfshade truth`: the truth alone, with its standard error.
 
-use super::{Context, Failure, background, default_output, exposure, prepare_output, sees_nothing};
-use crate::{cli::TruthArguments, terminal};
+use super::context::Context;
+use super::picture::{background, default_output, exposure, sees_nothing};
+use crate::{cli::TruthArguments, failure::Failure, terminal};
 use glam::Vec3;
 use halfshade_harness::{
     image_io::{check_extension, write_picture},
     metrics::relative,
     projection::Projection,
     reference::check_range,
-    table::significant,
+    report::significant,
 };
 use halfshade_scene::Progress;
 use halfshade_truth::{MAX_SAMPLES, Options, Tracer, estimate};
@@ -20,7 +21,7 @@ pub(super) fn truth(context: &Context, arguments: &TruthArguments) -> Result<Exi
     }
     let output = arguments.output.clone().unwrap_or_else(|| default_output(&arguments.scene, "-truth.exr"));
     check_extension(&output)?;
-    prepare_output(context, &output)?;
+    context.prepare_output(&output)?;
     let scene = context.scene(&arguments.scene, &output)?;
     let frame = scene.frame(arguments.scene.frame);
     let tracer = Tracer::new(&frame);

@@ -1,8 +1,8 @@
 //! Radiance HDR: the header, and from scanlines in any of eight orders to rows from the top \[Ward1991\].
 
+use super::decoded::{Decoded, Image, check_size};
 use super::primaries::Primaries;
 use super::rgbe::Scanlines;
-use super::{Decoded, Image, check_size};
 use crate::SceneError;
 use glam::Vec3;
 

@@ -4,9 +4,9 @@
 //! colours are premultiplied by it, as the format demands, and light that comes through is not in the file.
 
 use super::caught::caught;
+use super::decoded::{Decoded, Image, TEXELS_PER_BYTE, check_size, cut_short};
 use super::exr_layers::{Kind, Layer, choose};
 use super::primaries::Primaries;
-use super::{Decoded, Image, TEXELS_PER_BYTE, check_size, cut_short};
 use crate::SceneError;
 use exr::block::UncompressedBlock;
 use exr::block::reader::ChunksReader;

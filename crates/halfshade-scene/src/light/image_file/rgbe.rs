@@ -2,7 +2,7 @@
 //!
 //! A pixel of bytes r, g, b, e is (r, g, b) · 2^(e − 136), nothing if e is 0 \[Ward1991\].
 
-use super::cut_short;
+use super::decoded::cut_short;
 use crate::SceneError;
 use glam::Vec3;
 

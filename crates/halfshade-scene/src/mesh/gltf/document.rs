@@ -3,8 +3,8 @@
 //! The crate's validation takes some things for granted, which are looked at here first, and refuses others that do no
 //! harm, which are mended here: bounds of positions that are missing, and accessors without data, which glTF says are zero.
 
+use super::emission::emission_note;
 use super::extensions;
-use super::material::emission_note;
 use super::uri;
 use crate::{SceneError, text};
 use ::gltf::json::{Index, Root, Value, accessor, deserialize, validation::Checked};

@@ -1,22 +1,12 @@
-//! Base colour and alpha of a material, and whether it emits light.
+//! Base colour and alpha of a material.
 
 use super::Buffers;
 use super::textures::Textures;
 use crate::SceneError;
-use ::gltf::json::{self, Root};
 use ::gltf::material::AlphaMode;
 use ::gltf::texture::Info;
 use ::gltf::{Material, Semantic};
 use glam::{DVec2, DVec3, DVec4, Vec2};
-
-/// Tells people how many materials emit light, as no surface here does.
-pub(super) fn emission_note(json: &Root) -> Option<String> {
-    let emits = |material: &&json::Material| material.emissive_factor.0.into_iter().any(|factor| factor > 0.0);
-    match json.materials.iter().filter(emits).count() {
-        0 => None,
-        count => Some(format!("light that materials emit left out: {count}")),
-    }
-}
 
 /// Base colour and alpha of a primitive.
 pub(super) struct Surface<'a> {

@@ -13,38 +13,13 @@
 //! [`Walk::Linear`] sorts the spheres once per receiver and keeps a running sum, from which it takes back the intersecting
 //! neighbours: O(n·m) with m neighbours instead of O(n²/2), as chapter 6 hopes for.
 
-use super::Reflections;
-use crate::sh_exp::{Prepared, blockers::Blocker, traced::Traced};
+use super::{
+    Reflections,
+    covering::{Intersections, Order, Walk},
+};
+use crate::sh_exp::{blockers::Blocker, prepared::Prepared, traced::Traced};
 use halfshade_sh::kernel::{self, BatchExponential, LANES, ShBatch, times_bands};
 use wide::f32x8;
-
-/// In which order spheres cover each other.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Order {
-    /// By the distance of their centres [Guerrero2007, 4.3.3].
-    Center,
-    /// By power distance `d² - r²`: spheres that intersect are cut apart by their radical plane, and this is the order in
-    /// which the pieces cover each other.
-    Power,
-}
-
-/// What of spheres of one object that intersect.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Intersections {
-    /// They don't cover each other here: the colours know [Guerrero2007, 4.3.3].
-    Precomputed,
-    /// The nearer one covers the other.
-    Ordered,
-}
-
-/// How sums over nearer spheres are found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Walk {
-    /// One by one.
-    Quadratic,
-    /// From a running sum.
-    Linear,
-}
 
 /// What eight receivers see of one sphere.
 struct Entry<const N: usize> {

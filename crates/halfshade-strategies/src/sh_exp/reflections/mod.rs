@@ -6,12 +6,14 @@
 //!
 //! The first pass may take in what the last one found: b bounces are b rounds of it, as chapter 7 proposes.
 
+mod covering;
 mod emitters;
 mod gather;
 mod geodesic;
 mod surface;
 
 use super::levels::{Level, Levels};
+use covering::{Intersections, Order, Walk};
 use emitters::{Emitters, Shape};
 use glam::DQuat;
 use halfshade_scene::{Frame, Object, RadianceBuffer, ReceiverBuffer, Scene, Sphere, light::is_grey};
@@ -26,7 +28,6 @@ use std::sync::Arc;
 use surface::{Covered, Projection, SphereSurface};
 
 pub(super) use gather::Gather;
-use gather::{Intersections, Order, Walk};
 
 /// Everything about reflections: what is baked, and what the spheres of this frame radiate.
 #[derive(Debug)]

@@ -4,6 +4,7 @@
 //! texels, one by one, is the wavelet triple product exactly (see `halfshade_sh::haar::product`), and texels can be
 //! looked up in a cube that is turned, which wavelets can't.
 
+mod fields;
 mod light;
 mod projection;
 mod rows;
@@ -14,13 +15,13 @@ mod sum;
 mod turn;
 
 use super::{
-    arrangement::Arrangement,
-    baking::{Baking, KnownMeshes, MeshRays, Source},
+    baking::{Baking, MeshRays},
     details::{details, footprint},
     field::{Field, Projected},
     vertices::own_blocked,
 };
-use halfshade_scene::{Environment, Frame, Mesh, Progress, RadianceMut, Receivers, Scene};
+use fields::{HaarFields, Product};
+use halfshade_scene::{Frame, Mesh, Progress, RadianceMut, Receivers, Scene};
 use halfshade_strategy::{Baked, Detail, Footprint, Params, StrategyError};
 use projection::HaarBasis;
 use rayon::prelude::*;
@@ -29,32 +30,6 @@ use shell::HaarShell;
 use sparse::Sparse;
 use sum::Sum;
 use turn::Turn;
-
-/// How visibilities are multiplied.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Product {
-    /// Texel by texel.
-    Texels,
-    /// The triple product of wavelets.
-    Wavelets,
-}
-
-/// Fields of the scene, light and places of the frame.
-struct HaarFields {
-    source: Source,
-    basis: HaarBasis,
-    product: Product,
-    /// Of the texels: x, y, z.
-    directions: [Vec<f32>; 3],
-    /// Per object.
-    known: KnownMeshes<HaarShell, Rows>,
-    /// Radiance times solid angle per texel: red, green, blue; and what it is of.
-    light: [Vec<f32>; 3],
-    known_light: Option<Environment>,
-    arrangement: Arrangement,
-    /// Per object.
-    turns: Vec<Turn>,
-}
 
 /// Fields for every mesh of the scene.
 pub(super) fn bake(

@@ -1,7 +1,7 @@
 //! Shading as in [Tamura2006, figure 3], one receiver after another, over the texels of a cube.
 
 use super::{
-    HaarFields, Product,
+    fields::{HaarFields, Product},
     light::Cap,
     projection::HaarBasis,
     sparse::{forward, inverse},

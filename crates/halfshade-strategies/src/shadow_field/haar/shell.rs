@@ -1,10 +1,7 @@
 //! A shell of Haar vectors in memory.
 
 use super::{
-    super::{
-        basis::{Shell, Storage},
-        shells::Grid,
-    },
+    super::{basis::Storage, shell::Shell, shells::Grid},
     projection::HaarBasis,
     rows::{Coding, Rows},
     sparse::Sparse,

@@ -1,6 +1,6 @@
 //! BRDFs as SH vectors: what receivers reflect beside their diffuse part.
 
-use super::ShFields;
+use super::fields::ShFields;
 use glam::Vec3;
 use halfshade_scene::{EyeLobes, Lobes, Receivers, lobe::MAX_LOBES};
 use halfshade_sh::kernel::{self, LANES, ShBatch};

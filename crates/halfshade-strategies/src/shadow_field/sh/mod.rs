@@ -1,5 +1,6 @@
 //! Fields of spherical harmonics: soft shadows from few numbers.
 
+mod fields;
 mod gloss;
 mod projection;
 mod reach;
@@ -7,12 +8,12 @@ mod shade;
 mod shell;
 
 use super::{
-    arrangement::Arrangement,
-    baking::{Baking, KnownMeshes, MeshRays, Source},
+    baking::{Baking, MeshRays, Source},
     details::{details, footprint},
     field::{Field, Projected},
     vertices::{OwnRays, own_blocked, own_vectors},
 };
+use fields::{OwnKind, ShFields};
 use halfshade_scene::{Environment, Frame, Mesh, Progress, RadianceMut, Receivers, Scene, light::DistantLight};
 use halfshade_sh::{
     basis,
@@ -23,36 +24,8 @@ use halfshade_sh::{
 };
 use halfshade_strategy::{Baked, Detail, Footprint, Params, StrategyError};
 use projection::ShBasis;
-use shell::{MOST, ShShell};
+use shell::MOST;
 use std::f32::consts::FRAC_1_PI;
-
-/// What an object's own occlusion is kept as.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum OwnKind {
-    /// What the object hides above the vertex, to be multiplied with ρ̂ when shading [Tamura2006, figure 3].
-    Blocked,
-    /// Visibility times the cosine over π, projected as it is; for receivers that are vertices.
-    Transfer,
-}
-
-/// Fields of the scene, light and places of the frame.
-struct ShFields {
-    bands: usize,
-    source: Source,
-    basis: ShBasis,
-    own_kind: OwnKind,
-    table: BlockerTable,
-    /// Clamped cosine over π by band, times the rotation's factor: ρ̂.
-    cosine: Vec<f32>,
-    /// Per object.
-    known: KnownMeshes<ShShell, Vec<f32>>,
-    /// S_d: coefficient by coefficient, red, green, blue; and what it is of.
-    light: Vec<[f32; 3]>,
-    known_light: Option<Environment>,
-    arrangement: Arrangement,
-    /// Per object the blocks of the SH rotation from object space into light space, band by band, row by row.
-    rotations: Vec<Vec<f32>>,
-}
 
 /// The basis of so many bands, for the tests of what all bases share.
 #[cfg(test)]

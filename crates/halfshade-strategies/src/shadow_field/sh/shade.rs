@@ -1,6 +1,11 @@
 //! Shading as in [Tamura2006, figure 3], eight receivers side by side, one object after another.
 
-use super::{OwnKind, ShFields, gloss::GlossBatch, reach::Bound, shell::MOST};
+use super::{
+    fields::{OwnKind, ShFields},
+    gloss::GlossBatch,
+    reach::Bound,
+    shell::MOST,
+};
 use crate::shadow_field::{
     arrangement::{LightSeen, LocalLight},
     baking::Source,

@@ -1,10 +1,7 @@
 //! A shell of SH vectors in memory.
 
 use super::{
-    super::{
-        basis::{Shell, Storage},
-        shells::Grid,
-    },
+    super::{basis::Storage, shell::Shell, shells::Grid},
     ShBasis,
 };
 use wide::f32x8;

@@ -1,0 +1,70 @@
+//! Strategies beside each other instead of beside the truth.
+
+use super::{
+    groups::runs_of,
+    significant::significant,
+    table::{Cell, Column, Table},
+};
+use crate::{Results, metrics::relative, results::TimeFigures, statistics::Spread};
+
+/// One row for each pair; `None` if the experiment asks for none.
+pub(super) fn differences(results: &Results, scene: &str, frame: usize, receivers: &str) -> Option<Table> {
+    let of_frame =
+        |it: &&crate::results::Difference| it.scene == scene && it.frame == frame && it.receivers == receivers;
+    let time_of = |label: &str| {
+        let mut runs = runs_of(results, scene, frame, receivers).filter(|run| run.label == label);
+        runs.find_map(|run| run.time.as_ref())
+    };
+    let rows: Vec<Vec<Cell>> = results
+        .differences
+        .iter()
+        .filter(of_frame)
+        .map(|it| {
+            let ratio = time_of(&it.first).zip(time_of(&it.second)).and_then(|(first, second)| ratio(first, second));
+            let of_mean =
+                |value: f64, digits| relative(value, it.mean).map_or("no light".into(), |v| significant(v, digits));
+            [
+                it.first.clone(),
+                it.second.clone(),
+                of_mean(it.mae, 3),
+                of_mean(it.bias, 2),
+                of_mean(it.max, 3),
+                ratio.map_or(String::new(), |it| format!("{:.3} ± {:.3}", it.median, it.mad)),
+            ]
+            .map(Cell::text)
+            .to_vec()
+        })
+        .collect();
+    let columns = ["strategy", "beside", "mean abs. difference", "bias", "max", "shade time"];
+    let notes = vec![
+        "Differences are fractions of the second strategy's mean radiance, over all channels. Shade time is a multiple of the \
+         second's, the median over rounds in which both ran."
+            .into(),
+    ];
+    let title = format!("Beside each other: {scene}, frame {frame}");
+    (!rows.is_empty()).then(|| Table { title, columns: columns.map(Column::plain).to_vec(), rows, notes })
+}
+
+/// Of shading, round by round: what disturbs a round disturbs both.
+fn ratio(first: &TimeFigures, second: &TimeFigures) -> Option<Spread> {
+    let rounds = first.samples.iter().zip(&second.samples).filter(|(_, second)| second.shade_secs > 0.0);
+    Spread::of(&rounds.map(|(first, second)| first.shade_secs / second.shade_secs).collect::<Vec<_>>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{report::Format, results::tests::example};
+
+    #[test]
+    fn every_pair_is_a_row_with_its_ratio_of_times() {
+        let table = differences(&example(), "vases", 0, "vertices").unwrap().write(Format::Markdown, "");
+        let row = "| exact | fast:bands=4 | 0.0800 | -0.040 | 0.500 | 25.000 ± 0.000 |";
+        assert!(table.contains(row), "{table}");
+        assert!(differences(&example(), "vases", 1, "vertices").is_none());
+        let mut untimed = example();
+        untimed.runs.iter_mut().for_each(|run| run.time = None);
+        let table = differences(&untimed, "vases", 0, "vertices").unwrap();
+        assert_eq!(table.rows[0][5], Cell::empty());
+    }
+}

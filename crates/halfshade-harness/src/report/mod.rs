@@ -1,0 +1,29 @@
+//! What people read of stored results: one model of a page, and a writer for each format.
+
+mod all_runs;
+mod by_class;
+mod contents;
+mod csv;
+mod details;
+mod differences;
+mod error_cell;
+mod error_split;
+mod format;
+mod groups;
+mod html;
+mod latex;
+mod markdown;
+mod page;
+mod plot;
+mod scene_table;
+mod significant;
+mod table;
+mod write;
+
+pub use contents::{data, page, provenance};
+pub use format::Format;
+pub use page::{Block, Page};
+pub use plot::Plot;
+pub use significant::significant;
+pub use table::{Better, Cell, Column, Table};
+pub use write::{Write, report, write_all, write_plots};

@@ -1,0 +1,221 @@
+//! The first table of a scene: error and time.
+
+use super::{
+    error_cell::relative_rmse,
+    groups::runs_of,
+    significant::significant,
+    table::{Better, Cell, Column, Table},
+};
+use crate::{
+    Published, Weighting,
+    image_metrics::Similarity,
+    metrics::relative,
+    results::{Machine, Results, Run, Status},
+    statistics::Spread,
+};
+
+/// A figure of how a picture looks.
+type Look = (Column, fn(&Similarity) -> Option<f64>);
+
+/// What the rows of a scene's table have in common.
+struct Shown<'a> {
+    runs: Vec<&'a Run>,
+    /// What the errors are relative to.
+    reference: String,
+    /// Figures of pictures that any run has.
+    looks: Vec<Look>,
+    /// Whether any run was timed.
+    timed: bool,
+    published: &'a [Published],
+}
+
+/// Error against the first reference, and time, of every strategy on one frame.
+pub(super) fn scene_table(results: &Results, scene: &str, frame: usize, receivers: &str) -> Table {
+    let facts = results.scenes.iter().find(|facts| facts.name == scene);
+    let first = runs_of(results, scene, frame, receivers).map(Run::reference).find(|reference| !reference.is_empty());
+    let reference = first.unwrap_or("mesh").to_owned();
+    let runs: Vec<&Run> = runs_of(results, scene, frame, receivers)
+        .filter(|run| run.strategy != "reference" && (run.reference() == reference || run.status != Status::Ok))
+        .collect();
+    let looks: [Look; 2] =
+        [(Column::ranked("FLIP", Better::Lower), |s| s.flip), (Column::ranked("SSIM", Better::Higher), |s| s.ssim)];
+    let errors = || runs.iter().filter_map(|run| run.error.as_ref());
+    let shown = Shown {
+        looks: looks.into_iter().filter(|(_, of)| errors().any(|error| of(&error.similarity).is_some())).collect(),
+        timed: runs.iter().any(|run| run.frame_secs().is_some()),
+        published: facts.map_or(&[][..], |facts| facts.published.as_slice()),
+        runs,
+        reference,
+    };
+    let title = match facts {
+        Some(facts) => format!(
+            "{scene}, frame {frame}: {} vertices, {} triangles, {} spheres",
+            facts.vertices, facts.triangles, facts.spheres
+        ),
+        None => format!("{scene}, frame {frame}"),
+    };
+    let columns = shown.columns();
+    let rows = shown.runs.iter().map(|run| shown.row(run, columns.len())).collect();
+    Table { title, columns, rows, notes: shown.notes(&results.machine, receivers) }
+}
+
+impl Shown<'_> {
+    fn columns(&self) -> Vec<Column> {
+        let mut columns = vec![
+            Column::plain("strategy"),
+            Column::ranked("rel. RMSE", Better::Lower),
+            Column::plain("bias"),
+            Column::ranked("mae", Better::Lower),
+            Column::ranked("p95", Better::Lower),
+            Column::ranked("p99", Better::Lower),
+            Column::ranked("max", Better::Lower),
+        ];
+        columns.extend(self.looks.iter().map(|(column, _)| column.clone()));
+        columns.push(Column::plain("bake s"));
+        if self.timed {
+            columns.push(Column::plain("prepare ms"));
+            columns.push(Column::ranked("shade ms", Better::Lower));
+            columns.push(Column::ranked("frames/s", Better::Higher));
+            let head = |p: &Published| Column::plain(format!("{}, {}: frames/s", p.method, p.hardware));
+            columns.extend(self.published.iter().map(head));
+        }
+        columns.push(Column::plain("memory"));
+        columns
+    }
+
+    /// A cell for each of `width` columns.
+    fn row(&self, run: &Run, width: usize) -> Vec<Cell> {
+        let mut row = vec![Cell::text(run.label.clone())];
+        let Some(error) = run.error.as_ref().filter(|_| run.status == Status::Ok) else {
+            let word = if run.status == Status::Unsupported { "unsupported" } else { "failed" };
+            row.push(Cell::text(format!("{word}: {}", run.reason.as_deref().unwrap_or("no reason given"))));
+            row.resize(width, Cell::empty());
+            return row;
+        };
+        let m = &error.metrics;
+        row.push(relative_rmse(m));
+        let mean = run.truth.as_ref().map_or(0.0, |truth| truth.unshadowed_mean);
+        row.push(relative(m.bias, mean).map_or(Cell::empty(), |value| Cell::text(signed(value))));
+        row.extend([m.mae, m.p95, m.p99, m.max].map(|value| {
+            relative(value, mean).map_or(Cell::empty(), |value| Cell::number(significant(value, 3), value))
+        }));
+        row.extend(self.looks.iter().map(|(_, value)| {
+            value(&error.similarity).map_or(Cell::empty(), |value| Cell::number(format!("{value:.4}"), value))
+        }));
+        let time = run.time.as_ref();
+        row.push(time.map_or(Cell::empty(), |time| Cell::text(significant(time.bake_secs, 2))));
+        if self.timed {
+            row.push(millis(time.and_then(|time| time.prepare_secs)));
+            row.push(millis(time.and_then(|time| time.shade_secs)));
+            let rate = time.and_then(|time| time.frames_per_sec);
+            row.push(rate.map_or(Cell::empty(), |value| Cell::number(significant(value, 3), value)));
+            row.extend(self.published.iter().map(|p| Cell::text(significant(p.frames_per_sec, 3))));
+        }
+        row.push(run.memory.as_ref().map_or(Cell::empty(), |memory| Cell::text(bytes(memory.bytes))));
+        row
+    }
+
+    /// What was compared with what, on what, and where published figures are from.
+    fn notes(&self, machine: &Machine, receivers: &str) -> Vec<String> {
+        let mut notes = Vec::new();
+        if let Some(run) = self.runs.iter().find(|run| run.truth.is_some())
+            && let Some(truth) = &run.truth
+        {
+            let mean = truth.unshadowed_mean;
+            let of_mean = relative(truth.rms_standard_error, mean);
+            notes.push(format!(
+                "{} {}{}; reference `{}`, {} samples, RMS standard error {}. Errors are fractions of the mean unshadowed \
+                 radiance, {}, over all channels.",
+                run.receiver_count,
+                if receivers == "vertices" { "vertex receivers" } else { "pixel receivers" },
+                match run.error.as_ref().map(|error| error.weights) {
+                    Some(Weighting::Area) => ", weighted by the area around them",
+                    _ => ", all counted alike",
+                },
+                self.reference,
+                truth.samples,
+                of_mean.map_or("not defined".into(), |value| significant(value, 2)),
+                significant(mean, 3),
+            ));
+        }
+        if self.timed {
+            notes.push(format!(
+                "Times are medians ± median absolute deviations on {} threads of {}.",
+                machine.threads, machine.cpu
+            ));
+        }
+        if self.timed && !self.published.is_empty() {
+            let source = |p: &Published| format!("{} on a {} {}", p.method, p.hardware, p.source);
+            let sources: Vec<String> = self.published.iter().map(source).collect();
+            notes.push(format!("Published: {}.", sources.join("; ")));
+        }
+        notes
+    }
+}
+
+/// A time in milliseconds, ranked by its median.
+fn millis(spread: Option<Spread>) -> Cell {
+    spread.map_or(Cell::empty(), |spread| {
+        let text = format!("{} ± {}", significant(1e3 * spread.median, 3), significant(1e3 * spread.mad, 1));
+        Cell::number(text, spread.median)
+    })
+}
+
+fn signed(value: f64) -> String {
+    if value > 0.0 { format!("+{}", significant(value, 2)) } else { significant(value, 2) }
+}
+
+fn bytes(count: usize) -> String {
+    match count {
+        0..1024 => format!("{count} B"),
+        1024..1_048_576 => format!("{} KiB", significant(count as f64 / 1024.0, 3)),
+        _ => format!("{} MiB", significant(count as f64 / 1_048_576.0, 3)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        report::{Format, all_runs::all_runs},
+        results::tests::example,
+    };
+
+    #[test]
+    fn the_table_of_a_scene_shows_error_time_published_figures_and_reasons() {
+        let text = scene_table(&example(), "vases", 0, "vertices").write(Format::Markdown, "");
+        let rows: Vec<&str> = text.lines().filter(|line| line.starts_with("| ")).collect();
+        assert!(rows[0].contains("Ren et al. pixel shader, GeForce 8800 GTX: frames/s"), "{text}");
+        assert_eq!(
+            rows[2],
+            "| fast:bands=4 | <u>0.200</u> | -0.10 | <u>0.160</u> | <u>0.400</u> | <u>0.500</u> | <u>0.600</u> | 0.25 | 0 ± 0 | \
+             **2.00 ± 0** | **500** | 95.0 | 2.00 KiB |"
+        );
+        assert!(rows[3].starts_with("| exact | **0.0200** |"), "{text}");
+        assert!(rows[4].starts_with("| blind | unsupported: can't model local lights |"), "{text}");
+    }
+
+    #[test]
+    fn an_unresolved_error_is_the_best() {
+        let mut results = example();
+        results.runs[0].error.as_mut().unwrap().metrics.resolved = false;
+        let text = scene_table(&results, "vases", 0, "vertices").write(Format::Markdown, "");
+        assert!(text.contains("| fast:bands=4 | **not resolved (about 0.2)** |"), "{text}");
+        assert!(text.contains("| exact | <u>0.0200</u> |"), "{text}");
+    }
+
+    #[test]
+    fn a_scene_without_light_says_so_and_divides_by_nothing() {
+        let mut results = example();
+        for run in &mut results.runs {
+            if let (Some(error), Some(truth)) = (&mut run.error, &mut run.truth) {
+                (error.metrics.rel_rmse, truth.unshadowed_mean, truth.rms_standard_error) = (None, 0.0, 0.0);
+            }
+        }
+        for format in [Format::Markdown, Format::Latex, Format::Html, Format::Csv] {
+            let table = scene_table(&results, "vases", 0, "vertices").write(format, "");
+            let text = table + &all_runs(&results).write(format, "");
+            assert!(text.contains("no light") && !text.contains("NaN") && !text.contains("inf"), "{text}");
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! Which of an experiment's strategies are pictured, and which are compared with each other.
+
+use crate::{Experiment, HarnessError, Variant};
+use halfshade_strategy::Strategy;
+use toml::Spanned;
+
+/// Finds strategies by their SPECs.
+pub(super) struct Choice<'a> {
+    pub(super) experiment: &'a Experiment,
+    pub(super) strategies: &'a [Box<dyn Strategy>],
+    pub(super) variants: &'a [Variant],
+}
+
+impl Choice<'_> {
+    /// Keys of the variants of which pictures are drawn.
+    pub(super) fn pictured(&self) -> Result<Vec<String>, HarnessError> {
+        let Some(settings) = &self.experiment.pictures else { return Ok(Vec::new()) };
+        let Some(specs) = &settings.strategies else { return Ok(self.variants.iter().map(Variant::key).collect()) };
+        let mut pictured: Vec<String> = Vec::new();
+        for spec in specs {
+            let key = self.variants[self.place_of(spec)?].key();
+            if pictured.contains(&key) {
+                let problem = format!("`{}` is pictured already; name each once", spec.get_ref());
+                return Err(self.experiment.error_at(spec.span().start, problem));
+            }
+            pictured.push(key);
+        }
+        Ok(pictured)
+    }
+
+    /// Places of the two variants whose difference is drawn.
+    pub(super) fn difference(&self) -> Result<Option<[usize; 2]>, HarnessError> {
+        let settings = self.experiment.pictures.as_ref();
+        settings.and_then(|settings| settings.difference.as_ref()).map(|specs| self.pair_of(specs)).transpose()
+    }
+
+    /// Places of the pairs that are compared with each other.
+    pub(super) fn pairs(&self) -> Result<Vec<[usize; 2]>, HarnessError> {
+        let mut pairs: Vec<[usize; 2]> = Vec::new();
+        for specs in &self.experiment.compare {
+            let pair = self.pair_of(specs)?;
+            if pairs.contains(&pair) {
+                let problem = "`compare` has this pair already; name each once";
+                return Err(self.experiment.error_at(specs[0].span().start, problem));
+            }
+            pairs.push(pair);
+        }
+        Ok(pairs)
+    }
+
+    fn pair_of(&self, [a, b]: &[Spanned<String>; 2]) -> Result<[usize; 2], HarnessError> {
+        let pair = [self.place_of(a)?, self.place_of(b)?];
+        if pair[0] == pair[1] {
+            return Err(self.experiment.error_at(a.span().start, "this compares a strategy with itself: name two"));
+        }
+        Ok(pair)
+    }
+
+    fn place_of(&self, spec: &Spanned<String>) -> Result<usize, HarnessError> {
+        let error = |problem| self.experiment.error_at(spec.span().start, problem);
+        let key = Variant::parse(self.strategies, spec.get_ref()).map_err(error)?.key();
+        let unknown = || error(format!("`{}` is pictured or compared but not among the strategies", spec.get_ref()));
+        self.variants.iter().position(|variant| variant.key() == key).ok_or_else(unknown)
+    }
+}

@@ -1,0 +1,120 @@
+//! What is measured together: all strategies on one frame and kind of receivers.
+
+use super::{references::References, setup::Setup};
+use crate::{
+    HarnessError, Picture, ReceiverKind, Variant,
+    projection::Projection,
+    results::{Run, Status},
+    ssim::WINDOW,
+};
+use glam::Vec3;
+use halfshade_scene::{Frame, RadianceBuffer, ReceiverBuffer, Scene};
+use halfshade_truth::Tracer;
+use std::collections::BTreeMap;
+
+/// One frame, its receivers, what they are compared with, and a row to fill in for each variant.
+pub(super) struct Group<'a> {
+    pub(super) frame: Frame<'a>,
+    pub(super) kind: ReceiverKind,
+    pub(super) receivers: ReceiverBuffer,
+    pub(super) references: References,
+    /// How pictures of the group are drawn, if any are.
+    pub(super) view: Option<View>,
+    /// One for each variant of the plan, in its order.
+    pub(super) rows: Vec<Row>,
+}
+
+/// From receivers to pictures.
+pub(super) struct View {
+    projection: Projection,
+    /// What PNGs are multiplied with: that of the truth's picture, for all alike.
+    pub(super) exposure: f32,
+}
+
+impl View {
+    pub(super) fn picture(&self, radiance: &RadianceBuffer) -> Picture {
+        self.projection.picture(radiance, Vec3::ZERO)
+    }
+}
+
+/// A variant within a group.
+pub(super) struct Row {
+    /// Everything that is known before anything is measured.
+    pub(super) blank: Run,
+    /// Its [`Run::key`].
+    pub(super) key: String,
+}
+
+impl<'a> Group<'a> {
+    /// Places the receivers and traces the references; `pictured` if pictures are drawn of this frame.
+    pub(super) fn new(
+        setup: &Setup<'_>,
+        scene: &'a Scene,
+        index: usize,
+        kind: ReceiverKind,
+        pictured: bool,
+    ) -> Result<Self, HarnessError> {
+        let frame = scene.frame(index);
+        let camera = setup.plan.camera(scene);
+        let pictured = pictured && setup.is_kept && !setup.plan.pictured.is_empty();
+        let tracer = Tracer::new(&frame);
+        let (receivers, projection) = match kind {
+            ReceiverKind::Vertices => {
+                let projection = pictured.then(|| Projection::of_vertices(&tracer, &frame, &camera));
+                (ReceiverBuffer::vertices(&frame), projection)
+            }
+            ReceiverKind::Pixels => {
+                let (receivers, projection) = Projection::of_pixels(&tracer, &camera);
+                (receivers, pictured.then_some(projection))
+            }
+        };
+        drop(tracer);
+        if receivers.is_empty() {
+            let problem =
+                format!("scene `{}`, frame {index}: no {kind} to score; does the camera see anything?", scene.name);
+            return Err(HarnessError::input(problem));
+        }
+        let references = References::trace(setup, &frame, kind, &receivers)?;
+        let view = projection.map(|projection| {
+            let exposure = projection.picture(&references.mesh.reference.radiance, Vec3::ZERO).exposure();
+            View { projection, exposure }
+        });
+        if view.is_some() && camera.resolution.iter().any(|&side| (side as usize) < WINDOW) {
+            let [width, height] = camera.resolution;
+            let note = format!(
+                "{}: SSIM isn't defined for pictures of {width} by {height}, only from {WINDOW} by {WINDOW} on",
+                scene.name
+            );
+            setup.tools.progress.note(&note);
+        }
+        let row = |variant| {
+            let blank = blank(scene, index, kind, receivers.len(), variant);
+            Row { key: blank.key(), blank }
+        };
+        let rows = setup.plan.variants.iter().map(row).collect();
+        Ok(Self { frame, kind, receivers, references, view, rows })
+    }
+}
+
+/// The row of a variant before anything is measured.
+fn blank(scene: &Scene, frame: usize, kind: ReceiverKind, receiver_count: usize, variant: &Variant) -> Run {
+    let params = variant.params.iter();
+    let params: BTreeMap<_, _> =
+        params.map(|(name, value)| (name.to_owned(), serde_json::to_value(value).unwrap_or_default())).collect();
+    Run {
+        scene: scene.name.clone(),
+        frame,
+        receivers: kind.to_string(),
+        receiver_count,
+        strategy: variant.name.clone(),
+        label: variant.label.clone(),
+        params,
+        status: Status::Failed,
+        reason: None,
+        error: None,
+        truth: None,
+        time: None,
+        memory: None,
+        details: Vec::new(),
+    }
+}

@@ -1,0 +1,123 @@
+//! Running an experiment: bake, prepare, shade, score, time, picture; journal every step.
+
+mod choice;
+mod difference;
+mod group;
+mod measure;
+mod picture;
+mod plan;
+mod record;
+mod references;
+mod resume;
+mod scenes;
+mod score;
+mod setup;
+mod time;
+mod tools;
+
+pub use plan::Plan;
+pub use tools::{RunOptions, Tools};
+
+use crate::{
+    Experiment, HarnessError, Results, inputs,
+    journal::Header,
+    machine,
+    results::{SCHEMA, SceneFacts},
+    threads,
+};
+use group::Group;
+use halfshade_scene::Scene;
+use measure::measure;
+use record::Record;
+use resume::{Beginning, header_of};
+use setup::Setup;
+
+/// Runs `experiment` and returns its results; with [`RunOptions::out`], `results.json` and its company lie there.
+pub fn run(experiment: &Experiment, tools: &Tools<'_>, options: &RunOptions) -> Result<Results, HarnessError> {
+    let plan = Plan::new(experiment, tools.strategies, options.quick)?;
+    check_inputs(experiment, &plan, options)?;
+    let timing_threads = plan.timing.and_then(|timing| timing.threads).map(|threads| threads.get());
+    let threads = options.threads.or(timing_threads).unwrap_or_else(threads::available);
+    let mut results = unmeasured(experiment, &plan, tools, options, threads);
+    let header = Header { program: machine::program_hash(), ..header_of(&results) };
+    let mut record = match &options.out {
+        None => Record::default(),
+        Some(out) => match Beginning::of(out, &plan.outputs(), &header, options.resume, tools.progress)? {
+            Beginning::Finished(results) => return Ok(*results),
+            Beginning::Open(record) => *record,
+        },
+    };
+    let setup = Setup { tools, plan: &plan, threads, truth_cache: record.truth_cache(), is_kept: record.is_kept() };
+    threads::with_threads(Some(threads), || {
+        for (entry, (scene, frames)) in experiment.scenes.iter().zip(&plan.scenes) {
+            let scene = with_spheres(&setup, scene)?;
+            results.scenes.push(SceneFacts {
+                name: scene.name.clone(),
+                vertices: scene.vertex_count(),
+                triangles: scene.objects.iter().map(|object| object.mesh.triangles.len()).sum(),
+                spheres: scene.built_sphere_count(),
+                published: entry.published.clone(),
+            });
+            for (place, &frame) in frames.iter().enumerate() {
+                for (kind_place, &kind) in plan.receivers.iter().enumerate() {
+                    let pictured = place == 0 && kind_place == 0;
+                    let group = Group::new(&setup, &scene, frame, kind, pictured)?;
+                    measure(&setup, &group, &mut record, &mut results)?;
+                }
+            }
+        }
+        Ok::<(), HarnessError>(())
+    })??;
+    record.finish(&results)?;
+    Ok(results)
+}
+
+/// Refuses scenes that are read from other files than a baseline was made from.
+fn check_inputs(experiment: &Experiment, plan: &Plan, options: &RunOptions) -> Result<(), HarnessError> {
+    let changes = options.inputs.as_ref().map(|expected| inputs::changes(expected, &plan.inputs)).unwrap_or_default();
+    if changes.is_empty() {
+        return Ok(());
+    }
+    let problem = format!(
+        "the baseline was made from other files, so that errors can't be compared: {}; make it again",
+        changes.join(", ")
+    );
+    Err(HarnessError::in_file(&experiment.path, problem))
+}
+
+/// Results of which nothing is measured yet.
+fn unmeasured(
+    experiment: &Experiment,
+    plan: &Plan,
+    tools: &Tools<'_>,
+    options: &RunOptions,
+    threads: usize,
+) -> Results {
+    Results {
+        schema: SCHEMA.into(),
+        experiment: experiment.name.clone(),
+        claim: experiment.claim.clone(),
+        experiment_hash: blake3::hash(experiment.text.as_bytes()).to_hex().to_string(),
+        quick: options.quick,
+        inputs: Some(plan.inputs.clone()),
+        revision: tools.revision.to_owned(),
+        machine: machine::describe(threads),
+        strategies: tools.strategies.iter().map(|strategy| strategy.info().name.to_owned()).collect(),
+        scenes: Vec::new(),
+        runs: Vec::new(),
+        differences: Vec::new(),
+        pictures: Vec::new(),
+    }
+}
+
+/// A copy of `scene` with its sphere sets, if the plan reads any.
+fn with_spheres(setup: &Setup<'_>, scene: &Scene) -> Result<Scene, HarnessError> {
+    let (tools, mut scene) = (setup.tools, scene.clone());
+    scene.notes.iter().for_each(|note| tools.progress.note(note));
+    if setup.plan.needs_spheres(tools.strategies) {
+        for note in scene.build_spheres(tools.cache, tools.progress)? {
+            tools.progress.note(&format!("{}: {note}", scene.name));
+        }
+    }
+    Ok(scene)
+}

@@ -1,0 +1,188 @@
+//! What an experiment comes down to: loaded scenes, and groups of runs that are measured together.
+
+use super::{
+    choice::Choice,
+    scenes::{Loaded, scenes},
+};
+use crate::{
+    Experiment, HarnessError, ReceiverKind, ReferenceKind, Variant, Weighting, experiment::TimingSettings, file_names,
+    reference::Accuracy, variant,
+};
+use halfshade_scene::{Camera, InputFile, Scene};
+use halfshade_strategy::Strategy;
+use std::{
+    num::{NonZeroU32, NonZeroUsize},
+    path::PathBuf,
+};
+
+/// Samples that a noise target starts with.
+const FIRST_SAMPLES: usize = 256;
+
+/// `--quick` divides samples per receiver by this.
+const QUICK_SAMPLES: usize = 8;
+
+/// How much a difference between two strategies is magnified [Guerrero2007, figure 6.1].
+pub(super) const DIFFERENCE_FACTOR: f32 = 10.0;
+
+/// What the picture of the truth is called.
+pub(super) const TRUTH_LABEL: &str = "truth";
+
+/// All that is to be done.
+#[derive(Debug)]
+pub struct Plan {
+    /// The scenes, without sphere sets, and the frames of each.
+    pub scenes: Vec<(Scene, Vec<usize>)>,
+    /// Kinds of receivers.
+    pub receivers: Vec<ReceiverKind>,
+    /// What runs are compared with; the mesh is the first.
+    pub references: Vec<ReferenceKind>,
+    /// Every strategy with its parameters.
+    pub variants: Vec<Variant>,
+    /// What vertices count by.
+    pub weights: Weighting,
+    /// Whether errors are told by class of what hides the light.
+    pub classes: bool,
+    /// Whether strategies are asked for figures that only they have.
+    pub details: bool,
+    /// Places in `variants` of pairs that are compared with each other.
+    pub pairs: Vec<[usize; 2]>,
+    /// How exact the truth is.
+    pub accuracy: Accuracy,
+    /// How time is measured, if it is.
+    pub timing: Option<TimingSettings>,
+    /// Of which variants pictures are drawn, by [`Variant::key`]; nothing: of none.
+    pub pictured: Vec<String>,
+    /// Places in `variants` of two whose difference is drawn.
+    pub difference: Option<[usize; 2]>,
+    /// Size of pictures, if other than the camera's.
+    pub resolution: Option<[u32; 2]>,
+    /// The files that the scenes were read from, relative to the experiment.
+    pub inputs: Vec<InputFile>,
+}
+
+impl Plan {
+    /// Whether the variant at a place is compared with another one.
+    pub fn is_compared(&self, place: usize) -> bool {
+        self.pairs.iter().chain(&self.difference).flatten().any(|compared| *compared == place)
+    }
+
+    /// What the picture of the difference between the variants at two places is called.
+    pub fn difference_label(&self, pair: [usize; 2]) -> String {
+        let [a, b] = pair.map(|place| &self.variants[place].label);
+        format!("{DIFFERENCE_FACTOR} times the difference: {a} and {b}")
+    }
+
+    /// Every file that a run may write, relative to its folder.
+    pub fn outputs(&self) -> Vec<PathBuf> {
+        let mut files = ["results.json", "results.csv", "report.md"].map(PathBuf::from).to_vec();
+        let mut add = |base: String, endings: &[&str]| {
+            files.extend(endings.iter().map(|ending| PathBuf::from(format!("{base}{ending}"))));
+        };
+        for (scene, frames) in &self.scenes {
+            if self.timing.is_some() {
+                for (frame, kind) in
+                    frames.iter().flat_map(|frame| self.receivers.iter().map(move |kind| (*frame, kind)))
+                {
+                    add(file_names::plot(&scene.name, frame, &kind.to_string()), &[".svg", ".png"]);
+                }
+            }
+            let Some(&first) = frames.first().filter(|_| !self.pictured.is_empty()) else { continue };
+            let variants = self.variants.iter().filter(|variant| self.pictured.contains(&variant.key()));
+            for variant in variants {
+                add(file_names::picture(&scene.name, first, &variant.label), &[".exr", ".png", ".error.png"]);
+            }
+            let others = std::iter::once(TRUTH_LABEL.to_owned());
+            for label in others.chain(self.difference.map(|pair| self.difference_label(pair))) {
+                add(file_names::picture(&scene.name, first, &label), &[".exr", ".png"]);
+            }
+        }
+        files
+    }
+
+    /// Whether any strategy or reference reads sphere sets.
+    pub fn needs_spheres(&self, strategies: &[Box<dyn Strategy>]) -> bool {
+        self.references.iter().any(|reference| *reference != ReferenceKind::Mesh)
+            || self.variants.iter().any(|variant| strategies[variant.strategy].needs_spheres())
+    }
+
+    /// Loads and checks everything, so that mistakes show before any work is done.
+    pub fn new(experiment: &Experiment, strategies: &[Box<dyn Strategy>], quick: bool) -> Result<Self, HarnessError> {
+        let variants = variant::sweep(experiment, strategies)?;
+        let choice = Choice { experiment, strategies, variants: &variants };
+        let (pictured, difference, pairs) = (choice.pictured()?, choice.difference()?, choice.pairs()?);
+        let Loaded { scenes, inputs } = scenes(experiment, quick)?;
+        // The mesh always comes first: it is the truth that everything is relative to.
+        let others = experiment.references.iter().filter(|kind| **kind != ReferenceKind::Mesh);
+        let references = std::iter::once(ReferenceKind::Mesh).chain(others.copied()).collect();
+        let divisor = if quick { QUICK_SAMPLES } else { 1 };
+        let samples = experiment.truth.samples.map_or(FIRST_SAMPLES, |samples| samples.get() as usize);
+        let accuracy = Accuracy {
+            samples: (samples / divisor).max(1),
+            relative_noise: experiment.truth.relative_noise.filter(|_| !quick),
+            seed: u64::from(experiment.truth.seed),
+        };
+        let timing = experiment.timing.map(|timing| match quick {
+            true => {
+                TimingSettings { warm_up: 1, repeats: timing.repeats.min(NonZeroU32::MIN.saturating_add(2)), ..timing }
+            }
+            false => timing,
+        });
+        let shrink = if quick { 2 } else { 1 };
+        let resolution = experiment
+            .pictures
+            .as_ref()
+            .and_then(|pictures| pictures.resolution)
+            .map(|size| size.map(|n| (n.get() / shrink).max(1)));
+        Ok(Self {
+            scenes,
+            receivers: experiment.receivers.clone(),
+            references,
+            weights: experiment.weights,
+            classes: experiment.classes,
+            details: experiment.details,
+            pairs,
+            variants,
+            accuracy,
+            timing,
+            pictured,
+            difference,
+            resolution,
+            inputs,
+        })
+    }
+
+    /// The scene's camera, at the resolution of the experiment's pictures.
+    pub fn camera(&self, scene: &Scene) -> Camera {
+        Camera { resolution: self.resolution.unwrap_or(scene.camera.resolution), ..scene.camera }
+    }
+
+    /// The references that are needed besides the mesh, with each strategy's own bands spelled out.
+    pub fn other_references(&self) -> Vec<ReferenceKind> {
+        let mut kinds = Vec::new();
+        for kind in &self.references[1..] {
+            let concrete = match kind {
+                ReferenceKind::OwnBands => self
+                    .variants
+                    .iter()
+                    .filter_map(|v| NonZeroUsize::new(v.bands()?))
+                    .map(ReferenceKind::Bands)
+                    .collect(),
+                other => vec![*other],
+            };
+            for kind in concrete {
+                if !kinds.contains(&kind) {
+                    kinds.push(kind);
+                }
+            }
+        }
+        kinds
+    }
+
+    /// Whether `variant` is compared with `kind`: with a number of bands only if it is its own.
+    pub fn compares(&self, variant: &Variant, kind: ReferenceKind) -> bool {
+        match kind {
+            ReferenceKind::Bands(bands) => variant.bands() == Some(bands.get()),
+            _ => true,
+        }
+    }
+}

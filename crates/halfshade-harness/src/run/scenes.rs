@@ -1,0 +1,122 @@
+//! The scenes of an experiment, loaded and changed as it says.
+
+use crate::{
+    Experiment, HarnessError,
+    experiment::{SceneEntry, View},
+    inputs,
+    scene_source::{self, MeshLight},
+};
+use glam::Vec3;
+use halfshade_scene::{Camera, InputFile, Scene, input, scene::MAX_BOUNCES, spheres::MAX_SPHERES};
+use std::path::Path;
+
+const BAD_VIEW: &str = "camera: eye and target must be finite and apart, vertical_fov_degrees between 0 and 180";
+
+/// `camera` moved to `view`, or `None` if that can't be looked from.
+fn viewed(view: &View, camera: &Camera) -> Option<Camera> {
+    let (eye, target) = (Vec3::from(view.eye), Vec3::from(view.target));
+    let fov = view.vertical_fov_degrees;
+    let fits = eye.is_finite() && target.is_finite() && eye != target && fov > 0.0 && fov < 180.0;
+    fits.then_some(Camera { eye, target, vertical_fov_degrees: fov, ..*camera })
+}
+
+/// Gives the scene's blockers `count` spheres in all, or one each if that is more, in proportion to what they have.
+fn share_out_spheres(scene: &mut Scene, count: usize) {
+    let total: usize = scene.objects.iter().map(|object| object.sphere_count).sum();
+    let (mut own, mut given) = (0, 0);
+    for object in scene.objects.iter_mut().filter(|object| object.sphere_count > 0) {
+        // Rounded so that the sums are right, not each share.
+        own += object.sphere_count;
+        object.sphere_count = (own.saturating_mul(count) / total).saturating_sub(given).max(1);
+        given += object.sphere_count;
+    }
+    scene.name = format!("{}, {count} spheres", scene.name);
+}
+
+/// Scenes, and what they were read from.
+pub(super) struct Loaded {
+    /// The scenes, without sphere sets, and the frames of each.
+    pub(super) scenes: Vec<(Scene, Vec<usize>)>,
+    /// The files, relative to the experiment.
+    pub(super) inputs: Vec<InputFile>,
+}
+
+/// Loads all scenes of `experiment`; of each only the first frame if `quick`.
+pub(super) fn scenes(experiment: &Experiment, quick: bool) -> Result<Loaded, HarnessError> {
+    let folder = experiment.path.parent().unwrap_or(Path::new("."));
+    let mut scenes: Vec<(Scene, Vec<usize>)> = Vec::new();
+    let mut inputs = Vec::new();
+    for entry in &experiment.scenes {
+        let error = |problem: String| experiment.error_at(entry.name.span().start, problem);
+        let light = MeshLight { name: entry.environment.as_deref(), ..MeshLight::default() };
+        let (scene, files) = input::recorded(|| scene_source::resolve(entry.name.get_ref(), folder, &light));
+        inputs.extend(files);
+        let mut scene = scene.map_err(|problem| error(problem.to_string()))?;
+        change(&mut scene, entry, experiment)?;
+        if scenes.iter().any(|(other, _)| other.name == scene.name) {
+            return Err(error(format!(
+                "scene `{}` is listed twice: list it once, or give another `name` in its file to one of them",
+                scene.name
+            )));
+        }
+        let mut frames = entry.frames.clone().unwrap_or_else(|| experiment.frames.clone());
+        if let Some(past) = frames.iter().find(|frame| **frame >= scene.frame_count.max(1)) {
+            let (name, count) = (&scene.name, scene.frame_count);
+            return Err(error(format!("scene `{name}` has {count} frames: there is no frame {past}")));
+        }
+        if quick {
+            frames.truncate(1);
+        }
+        scenes.push((scene, frames));
+    }
+    Ok(Loaded { scenes, inputs: inputs::relative_to(folder, inputs) })
+}
+
+/// Gives `scene` the name, bounces, view and spheres that its entry asks for.
+fn change(scene: &mut Scene, entry: &SceneEntry, experiment: &Experiment) -> Result<(), HarnessError> {
+    if let Some(light) = &entry.environment {
+        let light = light.rsplit(['/', '\\']).next().unwrap_or(light);
+        scene.name = format!("{}, {light}", scene.name);
+    }
+    if let Some(bounces) = &entry.bounces {
+        scene.bounces = *bounces.get_ref();
+        if scene.bounces > MAX_BOUNCES {
+            let problem = format!("bounces = {}: at most {MAX_BOUNCES}", scene.bounces);
+            return Err(experiment.error_at(bounces.span().start, problem));
+        }
+    }
+    if let Some(view) = &entry.camera {
+        scene.camera =
+            viewed(view.get_ref(), &scene.camera).ok_or_else(|| experiment.error_at(view.span().start, BAD_VIEW))?;
+    }
+    if let Some(count) = entry.spheres {
+        share_out_spheres(scene, count.get());
+        if scene.objects.iter().any(|object| object.sphere_count > MAX_SPHERES) {
+            let problem = format!("spheres = {count} gives an object more than the {MAX_SPHERES} it can use");
+            return Err(experiment.error_at(entry.name.span().start, problem));
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use halfshade_scene::builtin;
+
+    #[test]
+    fn spheres_are_shared_out_as_they_were() {
+        let counts = |scene: &Scene| -> Vec<usize> { scene.objects.iter().map(|object| object.sphere_count).collect() };
+        let scene = builtin::scene("vases").unwrap();
+        for (count, expected) in [(20, 20), (64, 64), (3, 5), (511, 511)] {
+            let mut changed = scene.clone();
+            share_out_spheres(&mut changed, count);
+            assert_eq!(counts(&changed).iter().sum::<usize>(), expected, "{count}");
+            let pairs = counts(&scene).into_iter().zip(counts(&changed));
+            assert!(pairs.clone().all(|(before, after)| (before == 0) == (after == 0)), "{pairs:?}");
+        }
+        let mut same = scene.clone();
+        share_out_spheres(&mut same, 20);
+        assert_eq!((counts(&same), same.name.as_str()), (counts(&scene), "vases, 20 spheres"));
+    }
+}

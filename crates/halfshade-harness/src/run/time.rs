@@ -1,0 +1,106 @@
+//! Times of a group, all strategies in turn.
+
+use super::{group::Group, record::Record, setup::Setup};
+use crate::{Clock, HarnessError, clock::time_secs, results::Sample, shading::shade_all};
+use halfshade_scene::{Frame, RadianceBuffer, ReceiverBuffer};
+use halfshade_strategy::{Baked, StrategyError};
+
+/// A strategy that is ready to be timed.
+pub(super) struct Ready {
+    pub(super) key: String,
+    pub(super) baked: Box<dyn Baked>,
+}
+
+/// Rounds over all strategies, so that a disturbance meets all alike; whoever begins changes from round to round.
+/// Before every timed frame its neighbour is prepared, untimed: what a frame changes is really new to it.
+pub(super) fn time(
+    setup: &Setup<'_>,
+    group: &Group<'_>,
+    ready: &mut [Ready],
+    record: &mut Record,
+) -> Result<(), HarnessError> {
+    let Some(timing) = setup.plan.timing.filter(|_| !ready.is_empty()) else { return Ok(()) };
+    let (tools, frame, scene) = (setup.tools, &group.frame, group.frame.scene);
+    let neighbour = scene.frame(if frame.index > 0 { frame.index - 1 } else { 1 });
+    let rounds = ready.iter().map(|ready| setup.missing_samples(record, &ready.key)).max().unwrap_or(0);
+    let all_rounds = timing.warm_up as usize + rounds;
+    tools.progress.start(&format!("timing {}", scene.name), (all_rounds * ready.len()) as u64);
+    let mut radiance = RadianceBuffer::zeros(group.receivers.len());
+    for round in 0..all_rounds {
+        let count = ready.len();
+        for place in 0..count {
+            let Ready { key, baked } = &mut ready[(place + round) % count];
+            let warming_up = round < timing.warm_up as usize;
+            if !warming_up && setup.missing_samples(record, key) == 0 {
+                continue;
+            }
+            let sample =
+                timed_frame(tools.clock, baked.as_mut(), &neighbour, frame, &group.receivers, &mut radiance)
+                    .map_err(|error| HarnessError::input(format!("{key}: preparing a second time failed: {error}")))?;
+            if !warming_up {
+                record.add_sample(key, sample)?;
+            }
+            tools.progress.advance(1);
+        }
+    }
+    Ok(())
+}
+
+/// One frame by the clock, after its neighbour was prepared untimed.
+fn timed_frame(
+    clock: &dyn Clock,
+    baked: &mut dyn Baked,
+    neighbour: &Frame<'_>,
+    frame: &Frame<'_>,
+    receivers: &ReceiverBuffer,
+    radiance: &mut RadianceBuffer,
+) -> Result<Sample, StrategyError> {
+    baked.prepare(neighbour)?;
+    let (prepare_secs, prepared) = time_secs(clock, || baked.prepare(frame));
+    prepared?;
+    let (shade_secs, ()) = time_secs(clock, || shade_all(baked, receivers.view(), radiance));
+    Ok(Sample { prepare_secs, shade_secs })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{clock::mock::MockClock, results::TimeFigures};
+    use glam::Vec3;
+    use halfshade_scene::{Environment, RadianceMut, Receivers, Scene};
+    use halfshade_strategy::Footprint;
+    use std::{sync::Arc, time::Duration};
+
+    /// Takes 2 ms to prepare the frame it is asked for and 100 ms for any other, and 5 ms to shade.
+    struct Steady(Arc<MockClock>);
+
+    impl Baked for Steady {
+        fn footprint(&self) -> Footprint {
+            Footprint::default()
+        }
+
+        fn prepare(&mut self, frame: &Frame<'_>) -> Result<(), StrategyError> {
+            self.0.advance(Duration::from_millis(if frame.index == 7 { 2 } else { 100 }));
+            Ok(())
+        }
+
+        fn shade(&self, _receivers: Receivers<'_>, _out: RadianceMut<'_>) {
+            self.0.advance(Duration::from_millis(5));
+        }
+    }
+
+    #[test]
+    fn preparing_and_shading_are_charged_apart_and_the_neighbour_is_free() {
+        let scene = Scene { frame_count: 10, ..Scene::at_rest("empty", Vec::new(), Environment::constant(Vec3::ONE)) };
+        let clock = Arc::new(MockClock::default());
+        let mut receivers = ReceiverBuffer::default();
+        receivers.push(Vec3::ZERO, Vec3::Y, Vec3::ONE, 0);
+        let mut radiance = RadianceBuffer::zeros(1);
+        let mut steady = Steady(clock.clone());
+        let (neighbour, frame) = (scene.frame(6), scene.frame(7));
+        let sample = timed_frame(clock.as_ref(), &mut steady, &neighbour, &frame, &receivers, &mut radiance).unwrap();
+        assert_eq!(sample, Sample { prepare_secs: 0.002, shade_secs: 0.005 });
+        let figures = TimeFigures::of(1.0, 2, vec![sample; 3]);
+        assert!((figures.frames_per_sec.unwrap() - 1.0 / 0.007).abs() < 1e-9);
+    }
+}

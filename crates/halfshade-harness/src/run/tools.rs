@@ -1,0 +1,37 @@
+//! What a run is given.
+
+use crate::{Clock, reference::BandLimit};
+use halfshade_scene::{InputFile, Progress, cache::Cache};
+use halfshade_strategy::Strategy;
+use std::path::PathBuf;
+
+/// What the harness is given: it names no strategy and owns no terminal.
+pub struct Tools<'a> {
+    /// All strategies.
+    pub strategies: &'a [Box<dyn Strategy>],
+    /// Limits an environment to some bands.
+    pub band_limit: &'a BandLimit<'a>,
+    /// Where sphere sets are kept.
+    pub cache: &'a Cache,
+    /// Who is told how far long work is.
+    pub progress: &'a dyn Progress,
+    /// The clock.
+    pub clock: &'a dyn Clock,
+    /// Version and commit of the program.
+    pub revision: &'a str,
+}
+
+/// How an experiment is run.
+#[derive(Debug, Clone, Default)]
+pub struct RunOptions {
+    /// Threads, if other than the experiment's.
+    pub threads: Option<usize>,
+    /// Fewer samples, one frame, three timed rounds.
+    pub quick: bool,
+    /// Go on with the journal that is there.
+    pub resume: bool,
+    /// Where pictures, results and the journal go; without it nothing is written, timed or pictured.
+    pub out: Option<PathBuf>,
+    /// Refuse scenes that are read from other files than these.
+    pub inputs: Option<Vec<InputFile>>,
+}

@@ -1,0 +1,34 @@
+//! What shading reads: fields of the scene, light and places of the frame.
+
+use super::{projection::HaarBasis, rows::Rows, shell::HaarShell, turn::Turn};
+use crate::shadow_field::{
+    arrangement::Arrangement,
+    baking::{KnownMeshes, Source},
+};
+use halfshade_scene::Environment;
+
+/// How visibilities are multiplied.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Product {
+    /// Texel by texel.
+    Texels,
+    /// The triple product of wavelets.
+    Wavelets,
+}
+
+/// Fields of the scene, light and places of the frame.
+pub(super) struct HaarFields {
+    pub(super) source: Source,
+    pub(super) basis: HaarBasis,
+    pub(super) product: Product,
+    /// Of the texels: x, y, z.
+    pub(super) directions: [Vec<f32>; 3],
+    /// Per object.
+    pub(super) known: KnownMeshes<HaarShell, Rows>,
+    /// Radiance times solid angle per texel: red, green, blue; and what it is of.
+    pub(super) light: [Vec<f32>; 3],
+    pub(super) known_light: Option<Environment>,
+    pub(super) arrangement: Arrangement,
+    /// Per object.
+    pub(super) turns: Vec<Turn>,
+}

@@ -1,0 +1,45 @@
+//! The phases of a strategy on a scene of the contract.
+
+use super::bounds::{Checked, Violation};
+use super::scenes;
+use crate::{Baked, Effect, Params, Strategy};
+use halfshade_scene::{Frame, RadianceBuffer, ReceiverBuffer, Scene, progress::Silent};
+
+pub(super) fn baked(strategy: &dyn Strategy, params: &Params, scene: &Scene) -> Result<Box<dyn Baked>, Violation> {
+    strategy.bake(scene, params, &Silent).map_err(|error| Violation(format!("bake: {error}")))
+}
+
+/// The scene with two bounces, if the strategy can model them.
+pub(super) fn bounced(strategy: &dyn Strategy, scene: Scene) -> Scene {
+    let bounces = if strategy.info().effects.contains(Effect::Interreflection) { 2 } else { 0 };
+    Scene { bounces, ..scene }
+}
+
+/// The scene; for a strategy without light from infinitely far, lamps take that light's place, as strong as the first one's
+/// constant part is.
+pub(super) fn lit(strategy: &dyn Strategy, scene: Scene) -> Scene {
+    if strategy.info().effects.contains(Effect::EnvironmentLight) { scene } else { scenes::by_lamps(scene) }
+}
+
+pub(super) fn prepare(baked: &mut dyn Baked, frame: &Frame<'_>) -> Checked {
+    baked.prepare(frame).map_err(|error| Violation(format!("prepare: {error}")))
+}
+
+pub(super) fn shade(baked: &dyn Baked, receivers: &ReceiverBuffer) -> RadianceBuffer {
+    // Whoever writes nothing is found out.
+    let mut out = RadianceBuffer::zeros(receivers.len());
+    out.channels.iter_mut().for_each(|channel| channel.fill(f32::NAN));
+    baked.shade(receivers.view(), out.view_mut());
+    out
+}
+
+pub(super) fn rendered(
+    strategy: &dyn Strategy,
+    params: &Params,
+    scene: &Scene,
+    receivers: &ReceiverBuffer,
+) -> Result<RadianceBuffer, Violation> {
+    let mut baked = baked(strategy, params, scene)?;
+    prepare(baked.as_mut(), &scene.frame(0))?;
+    Ok(shade(baked.as_ref(), receivers))
+}

@@ -1,0 +1,33 @@
+//! Pictures that commands draw: how they look, where they go, and those in which nothing is to be seen.
+
+use crate::{cli::SceneArguments, failure::Failure};
+use glam::Vec3;
+use halfshade_harness::Picture;
+use halfshade_scene::Scene;
+use std::path::{Path, PathBuf};
+
+/// Radiance where nothing is hit.
+pub(super) fn background(arguments: &SceneArguments) -> Vec3 {
+    arguments.background.map_or(Vec3::ZERO, Vec3::from)
+}
+
+/// What a picture is multiplied with to be looked at.
+pub(super) fn exposure(picture: &Picture, arguments: &SceneArguments) -> f32 {
+    picture.exposure() * arguments.exposure.exp2()
+}
+
+/// A picture in which nothing is to be seen would pass for one of a dark scene.
+pub(super) fn sees_nothing(scene: &Scene) -> Failure {
+    let [width, height] = scene.camera.resolution;
+    Failure::Error(format!(
+        "the camera of scene `{}` sees nothing: no ray of {width}x{height} pixels meets an object; move or turn it, or give \
+         more pixels",
+        scene.name
+    ))
+}
+
+/// A file named after the scene, in the current folder.
+pub(super) fn default_output(arguments: &SceneArguments, suffix: &str) -> PathBuf {
+    let stem = Path::new(&arguments.scene).file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    PathBuf::from(format!("{stem}{suffix}"))
+}

@@ -1,0 +1,9 @@
+//! Which program this is.
+
+/// Version and, where it is known, the commit.
+pub fn revision() -> String {
+    match env!("HALFSHADE_COMMIT") {
+        "" => env!("CARGO_PKG_VERSION").to_owned(),
+        commit => format!("{} ({commit})", env!("CARGO_PKG_VERSION")),
+    }
+}
