@@ -149,7 +149,9 @@ fn shadow_field(p: &Params, drawn: &Drawn) -> Tolerances {
             // In a space about the middle of all objects, which one more moves.
             () if are_rays => Err(RAYS),
             () if rings => Err("a product of few bands rings: a blocker beside a light may brighten it"),
-            () => Ok(1e-3 + added_up),
+            // Each product is held to what was there before it, but one more before it changes what it is cut off at.
+            () if !is_haar => Ok(0.05 + added_up),
+            () => Ok(1e-3),
         },
         jump: match () {
             () if are_rays => Err(RAYS),

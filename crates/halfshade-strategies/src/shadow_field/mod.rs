@@ -26,7 +26,8 @@
 //!
 //! **Bounds.** Every product is held to what `U = V ρ` can be for a visibility V in [0, 1] (`sh/reach.rs`), and to no
 //! more than before: under constant light radiance lies within [0, unshadowed] and falls with every product, however
-//! many there are. Under any other light SH ring about a part of the unshadowed, by at most `√(3/16π)` = 0.24 of the
+//! many there are. (One more in the midst of them may leave the result brighter, by 0.02 of the unshadowed where that was
+//! seen, since the next product is cut off at other bands.) Under any other light SH ring about a part of the unshadowed, by at most `√(3/16π)` = 0.24 of the
 //! albedo times the light's norm `√∫L²`, and by `√∫c / 2` of the norm for a glossy lobe c of height 1. Haar wavelets are
 //! held to [0, 1] texel by texel: under any light radiance lies within [0, unshadowed].
 //!

@@ -3,6 +3,7 @@
 //! there.
 
 mod crowds;
+mod far_away;
 mod lamps_around;
 mod numbers;
 mod one_alone;
