@@ -5,6 +5,7 @@ use super::environment::environment;
 use super::source::{Source, named_notes, stem};
 use super::{DEFAULT_FRAMES_PER_SEC, DEFAULT_SPHERE_COUNT, framing, reflectance};
 use crate::camera::check_resolution;
+use crate::mesh::LARGEST_COORDINATE;
 use crate::scene::MAX_BOUNCES;
 use crate::spheres::MAX_SPHERES;
 use crate::{
@@ -16,6 +17,9 @@ use std::sync::Arc;
 use toml::Spanned;
 
 type Result<T> = std::result::Result<T, SceneError>;
+
+/// What to do about a scene too large to compute with.
+const IF_LARGER: &str = "; choose a larger unit of length if the scene is that large";
 
 /// Largest number of clusters of one object.
 const MAX_CLUSTERS: i64 = 100_000;
@@ -95,9 +99,18 @@ pub(super) fn checked<T: Copy + std::fmt::Debug>(
     Err(source.error(value.span(), format!("{what} = {inner:?} must be {expected}")))
 }
 
-/// A point or a shift: three finite numbers.
+/// A point or a shift, no farther out than numbers can be computed with.
 fn place(source: &Source<'_>, what: &str, value: &Spanned<[f32; 3]>) -> Result<Vec3> {
-    checked(source, what, value, "three finite numbers", |v| Vec3::from(v).is_finite()).map(Vec3::from)
+    let expected = format!("three numbers from -{LARGEST_COORDINATE:e} to {LARGEST_COORDINATE:e}{IF_LARGER}");
+    let fits = |v: [f32; 3]| v.iter().all(|x| x.abs() <= LARGEST_COORDINATE);
+    checked(source, what, value, &expected, fits).map(Vec3::from)
+}
+
+/// A radius, or a scale of what is as large as `size`.
+fn length(source: &Source<'_>, what: &str, value: &Spanned<f32>, size: f64) -> Result<f32> {
+    let largest = f64::from(LARGEST_COORDINATE) / size;
+    let expected = format!("positive and at most {largest:.2e}{IF_LARGER}");
+    checked(source, what, value, &expected, |x| x > 0.0 && x.is_finite() && f64::from(x) <= largest)
 }
 
 fn albedo(source: &Source<'_>, what: &str, value: &Spanned<[f32; 3]>) -> Result<Vec3> {
@@ -110,8 +123,10 @@ pub(super) fn radiance(source: &Source<'_>, what: &str, value: &Spanned<[f32; 3]
     checked(source, what, value, "finite and not negative", fits).map(Vec3::from)
 }
 
+/// The pose of what reaches as far as `size` from its origin.
 fn pose(
     source: &Source<'_>,
+    size: f64,
     translate: Option<&Spanned<[f32; 3]>>,
     rotate: Option<&Spanned<[f32; 4]>>,
     scale: Option<&Spanned<f32>>,
@@ -129,12 +144,13 @@ fn pose(
         pose.rotation = Quat::from_axis_angle(axis, turn[3].to_radians());
     }
     if let Some(value) = scale {
-        pose.scale = checked(source, "scale", value, "positive and finite", |s| s > 0.0 && s.is_finite())?;
+        pose.scale = length(source, "scale", value, size)?;
     }
     Ok(pose)
 }
 
-fn keyframes(source: &Source<'_>, table: &Spanned<Vec<Spanned<KeyframeTable>>>) -> Result<Motion> {
+/// The motion of what reaches as far as `size` from its origin.
+fn keyframes(source: &Source<'_>, size: f64, table: &Spanned<Vec<Spanned<KeyframeTable>>>) -> Result<Motion> {
     if table.get_ref().is_empty() {
         return Err(source.error(table.span(), "keyframe is empty; give at least one, or none"));
     }
@@ -144,7 +160,7 @@ fn keyframes(source: &Source<'_>, table: &Spanned<Vec<Spanned<KeyframeTable>>>) 
         let previous = keys.last().map_or(f64::NEG_INFINITY, |(time, _)| *time);
         let fits = |t: f64| t.is_finite() && t > previous;
         let time = checked(source, "time", time, "finite and later than that of the keyframe before", fits)?;
-        keys.push((time, pose(source, translate.as_ref(), rotate.as_ref(), scale.as_ref())?));
+        keys.push((time, pose(source, size, translate.as_ref(), rotate.as_ref(), scale.as_ref())?));
     }
     Ok(Motion::Keyframes(keys))
 }
@@ -189,11 +205,15 @@ fn object(
         material.reflectance = reflectance::reflectance(source, table.get_ref(), material.albedo)?;
         material.gloss_variation = reflectance::variation(source, table.get_ref(), &mesh, &default_name)?;
     }
-    let still = pose(source, table.translate.as_ref(), table.rotate.as_ref(), table.scale.as_ref())?;
+    let size = match &skin {
+        Some(skin) => skin.reach(&mesh),
+        None => mesh.positions.iter().map(|p| f64::from(p.abs().max_element())).fold(0.0, f64::max),
+    };
+    let still = pose(source, size, table.translate.as_ref(), table.rotate.as_ref(), table.scale.as_ref())?;
     let motion = match &table.keyframe {
         None => Motion::Still(still),
         Some(keys) if table.translate.is_none() && table.rotate.is_none() && table.scale.is_none() => {
-            keyframes(source, keys)?
+            keyframes(source, size, keys)?
         }
         Some(keys) => {
             return Err(source
@@ -263,11 +283,12 @@ fn light(source: &Source<'_>, table: Spanned<LightTable>) -> Result<(SphereLight
     let LightTable { sphere, radiance: emitted, keyframe } = table.into_inner();
     let light = SphereLight {
         center: place(source, "center", &sphere.center)?,
-        radius: checked(source, "radius", &sphere.radius, "positive and finite", |r| r > 0.0 && r.is_finite())?,
+        radius: length(source, "radius", &sphere.radius, 1.0)?,
         radiance: radiance(source, "radiance", &emitted)?,
     };
+    let size = light.center.abs().max_element().max(light.radius);
     let motion = match &keyframe {
-        Some(keys) => keyframes(source, keys)?,
+        Some(keys) => keyframes(source, size.into(), keys)?,
         None => Motion::Still(Pose::IDENTITY),
     };
     Ok((light, motion))
@@ -456,6 +477,24 @@ mod tests {
             ("\nspheres = -1", 4, &["spheres = -1", "0 to"]),
             ("\nspheres = 1000000", 4, &["spheres = 1000000", "0 to 2000"]),
             ("translate = [0, inf, 0]", 3, &["translate"]),
+            ("translate = [1e37, 0, 0]", 3, &["translate = [1e37, 0.0, 0.0]", "from -1e12 to 1e12", "unit of length"]),
+            ("scale = 2e12", 3, &["scale = 2e12", "at most 1.00e12", "unit of length"]),
+            ("keyframe = [\n{ time = 0 },\n{ time = 1, translate = [0, -1e30, 0] }]", 5, &["translate", "1e12"]),
+            ("keyframe = [{ time = 0, scale = 1e30 }]", 3, &["scale", "1.00e12"]),
+            ("[[light]]\nsphere = { center = [0, 1e30, 0], radius = 1 }\nradiance = [1, 1, 1]", 4, &["center", "1e12"]),
+            (
+                "[[light]]\nsphere = { center = [0, 0, 0], radius = 1e30 }\nradiance = [1, 1, 1]",
+                4,
+                &["radius", "1.00e12"],
+            ),
+            (
+                "[[light]]\nsphere = { center = [0, 1e6, 0], radius = 1 }\nradiance = [1, 1, 1]\n\
+                 keyframe = [{ time = 0, scale = 2e6 }]",
+                6,
+                &["scale", "at most 1.00e6"],
+            ),
+            ("[camera]\neye = [0, 1e28, 0]\ntarget = [0, 1, 0]", 4, &["eye", "1e12"]),
+            ("[camera]\neye = [0, 1, 0]\ntarget = [0, 1e28, 0]", 5, &["target", "1e12"]),
             ("rotate = [0, 0, 0, 90]", 3, &["rotate", "axis"]),
             ("mesh = \"x.obj\"", 1, &["either"]),
             ("keyframe = []", 3, &["keyframe"]),
@@ -490,6 +529,13 @@ mod tests {
             assert!(parts.iter().all(|part| text.contains(part)), "{addition:?}: {text}");
         }
         assert!(read("name = \"x\"").unwrap_err().to_string().contains("no objects"));
+    }
+
+    #[test]
+    fn the_sun_may_stand_where_it_is() {
+        let sun = "[[light]]\nsphere = { center = [0, 1.5e11, 0], radius = 7e8 }\nradiance = [2e7, 2e7, 2e7]";
+        let scene = read(&format!("{OBJECT}{sun}")).unwrap();
+        assert_eq!((scene.lights[0].0.center.y, scene.lights[0].0.radius), (1.5e11, 7e8));
     }
 
     #[test]

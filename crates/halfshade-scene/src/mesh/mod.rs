@@ -16,6 +16,7 @@ mod topology;
 mod weld;
 mod words;
 
+pub(crate) use assemble::LARGEST_COORDINATE;
 pub use colors::ColorEncoding;
 pub use cutout::AlphaMask;
 pub use load::{
