@@ -7,7 +7,7 @@ mod open_exr;
 mod primaries;
 mod rgbe;
 
-use crate::SceneError;
+use crate::{SceneError, text};
 use glam::{DMat3, Vec3};
 
 /// The largest width or height read: 16k by 8k is the largest probe in circulation.
@@ -43,6 +43,7 @@ pub(super) fn decode(bytes: &[u8], layer: Option<&str>) -> Result<Decoded, Scene
     if bytes.starts_with(&exr::meta::magic_number::BYTES) {
         return open_exr::decode(bytes, layer);
     }
+    let bytes = bytes.strip_prefix(text::MARK).unwrap_or(bytes);
     if !bytes.starts_with(b"#?") {
         return Err(SceneError::new("this is neither Radiance HDR, which begins with `#?`, nor OpenEXR")
             .with_remedy("get it again, or save it as one of these"));
