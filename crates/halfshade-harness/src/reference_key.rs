@@ -113,7 +113,7 @@ mod tests {
         Deformed, Gloss, LafortuneLobe, ReceiverBuffer, Reflectance, Sphere, SphereLight, SphereSet, builtin,
         light::{EnvironmentMap, Sun},
         spheres::AdjustRule,
-        texture::Wrap,
+        texture::{Filter, Wrap},
     };
     use halfshade_truth::{Geometry, Transport};
     use std::{collections::HashMap, sync::Arc};
@@ -238,6 +238,7 @@ mod tests {
                 assert_eq!(wrapped.at(DVec2::ZERO), Vec3::splat(0.5));
                 p.mesh().textures[0] = Arc::new(wrapped);
             }),
+            ("filter", |p| p.mesh().textures[0] = Arc::new((*texture(0.5)).clone().filtered(Filter::Nearest))),
             ("mask", |p| p.mesh().masks[0].cutoff *= 0.5),
             ("mask's texture", |p| p.mesh().masks[0].texture = Some(texture(0.75))),
             ("no mask", |p| p.mesh().masks.clear()),

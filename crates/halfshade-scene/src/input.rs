@@ -24,8 +24,20 @@ thread_local! {
     static READ: RefCell<Option<Vec<InputFile>>> = const { RefCell::new(None) };
 }
 
-/// The bytes of an input file.
+/// Most bytes of an input file: 8 GiB. All of it is held in memory.
+const MOST_BYTES: u64 = 1 << 33;
+
+/// The bytes of an input file. Pipes and devices, which may never end, are refused, and what is larger than 8 GiB.
 pub fn read(path: &Path) -> io::Result<Vec<u8>> {
+    let metadata = std::fs::metadata(path)?;
+    if !metadata.is_file() {
+        let found =
+            if metadata.is_dir() { "it is a folder" } else { "it is a pipe or a device; copy what it holds to a file" };
+        return Err(io::Error::other(found));
+    }
+    if metadata.len() > MOST_BYTES {
+        return Err(io::Error::other(format!("it has {} bytes, and at most {MOST_BYTES} are read", metadata.len())));
+    }
     let bytes = std::fs::read(path)?;
     record(path, &bytes);
     Ok(bytes)
@@ -53,6 +65,25 @@ pub fn recorded<T>(work: impl FnOnce() -> T) -> (T, Vec<InputFile>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_no_file_and_what_is_too_large_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let problem = |path: &Path| read(path).unwrap_err().to_string();
+        assert_eq!(problem(folder.path()), "it is a folder");
+        let large = folder.path().join("large");
+        std::fs::File::create(&large).unwrap().set_len(MOST_BYTES + 1).unwrap();
+        assert_eq!(problem(&large), "it has 8589934593 bytes, and at most 8589934592 are read");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_never_ends_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let link = folder.path().join("endless");
+        std::os::unix::fs::symlink("/dev/zero", &link).unwrap();
+        assert!(read(&link).unwrap_err().to_string().contains("pipe or a device"));
+    }
 
     #[test]
     fn what_is_read_is_told_to_the_innermost_who_asks() {

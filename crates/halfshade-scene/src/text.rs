@@ -6,17 +6,23 @@ use std::path::Path;
 /// The UTF-8 byte-order mark.
 pub const MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// A text file as a whole. Errors name the file.
+/// A TOML file as a whole, in which lines end with a line feed, with or without a carriage return before it. Errors name
+/// A TOML file as a whole, lines ending in line feeds, whatever ended them. Errors name the file.
 pub fn read(path: &Path) -> Result<String, SceneError> {
     let bytes = input::read(path).map_err(|error| SceneError::new(format!("cannot be read: {error}")).in_file(path))?;
-    decode(&bytes).map(str::to_owned).map_err(|error| error.in_file(path))
+    decode(&bytes).map(with_line_feeds).map_err(|error| error.in_file(path))
+}
+
+/// The text with carriage returns that end lines by themselves as line feeds: TOML has no such line ends.
+fn with_line_feeds(text: &str) -> String {
+    text.replace("\r\n", "\n").replace('\r', "\n")
 }
 
 /// Bytes as text, without a byte-order mark.
 pub fn decode(bytes: &[u8]) -> Result<&str, SceneError> {
     let bytes = without_mark(bytes)?;
     std::str::from_utf8(bytes).map_err(|error| {
-        let line = 1 + bytes[..error.valid_up_to()].iter().filter(|&&byte| byte == b'\n').count();
+        let line = 1 + with_line_feeds(&String::from_utf8_lossy(&bytes[..error.valid_up_to()])).matches('\n').count();
         SceneError::new("the file is not UTF-8 text").at_line(line).with_remedy("save it as UTF-8")
     })
 }
@@ -55,6 +61,13 @@ mod tests {
     }
 
     #[test]
+    fn lines_of_a_file_end_in_line_feeds_whatever_ended_them() {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), "a = 1\rb = 2\r\n\r\rc = 3\n\rd = 4").unwrap();
+        assert_eq!(read(file.path()).unwrap(), "a = 1\nb = 2\n\n\nc = 3\n\nd = 4");
+    }
+
+    #[test]
     fn other_encodings_are_named_with_what_to_do() {
         let wide = |text: &str, big: bool| -> Vec<u8> {
             text.encode_utf16().flat_map(|unit| if big { unit.to_be_bytes() } else { unit.to_le_bytes() }).collect()
@@ -73,5 +86,6 @@ mod tests {
         }
         let latin = decode(b"a\nname = \"\xe4\"\n").unwrap_err();
         assert!(latin.line == Some(2) && latin.problem.contains("UTF-8"), "{latin}");
+        assert_eq!(decode(b"a\r\nb\rname = \"\xe4\"\r").unwrap_err().line, Some(3));
     }
 }

@@ -1,8 +1,8 @@
 //! Pictures on surfaces: colours that multiply an albedo, looked up by texture coordinates.
 //!
 //! PNG and JPEG hold sRGB \[IEC61966-2-1\]; texels are decoded to linear values before anything is interpolated. Lookups
-//! are bilinear at the full resolution, whatever filter a file asks for: there are no mipmaps. Alpha is read apart, where
-//! it cuts holes into a surface. Colour profiles are ignored.
+//! are at the full resolution, bilinear unless the nearest texel is asked for: there are no mipmaps. Alpha is read apart,
+//! where it cuts holes into a surface. Colour profiles are ignored.
 
 use crate::SceneError;
 use glam::{DVec2, Vec3};
@@ -42,6 +42,16 @@ impl Wrap {
     }
 }
 
+/// What lies between the centres of texels.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+pub enum Filter {
+    /// Values interpolated bilinearly.
+    #[default]
+    Linear,
+    /// The value of the nearest texel.
+    Nearest,
+}
+
 /// A picture of linear values in [0, 1].
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Texture {
@@ -49,10 +59,11 @@ pub struct Texture {
     height: usize,
     texels: Vec<Vec3>,
     wrap: [Wrap; 2],
+    filter: Filter,
 }
 
 impl Texture {
-    /// A texture of linear `texels`, row by row from the top, that repeats.
+    /// A texture of linear `texels`, row by row from the top, that repeats and is interpolated bilinearly.
     pub fn new(width: usize, height: usize, texels: Vec<Vec3>) -> Result<Self, SceneError> {
         if width == 0 || height == 0 || width.checked_mul(height) != Some(texels.len()) {
             return Err(SceneError::new(format!("a texture of {width}x{height} cannot have {} texels", texels.len())));
@@ -60,12 +71,17 @@ impl Texture {
         if texels.iter().any(|texel| !texel.to_array().iter().all(|x| (0.0..=1.0).contains(x))) {
             return Err(SceneError::new("a texture has texels outside of [0, 1]"));
         }
-        Ok(Self { width, height, texels, wrap: [Wrap::Repeat; 2] })
+        Ok(Self { width, height, texels, wrap: [Wrap::Repeat; 2], filter: Filter::Linear })
     }
 
     /// The same texture with other surroundings: along a row, and along a column.
     pub fn wrapped(self, wrap: [Wrap; 2]) -> Self {
         Self { wrap, ..self }
+    }
+
+    /// The same texture with something else between its texels.
+    pub fn filtered(self, filter: Filter) -> Self {
+        Self { filter, ..self }
     }
 
     /// Reads a PNG or JPEG file, told apart by content.
@@ -106,10 +122,16 @@ impl Texture {
         [reds().fold(f32::INFINITY, f32::min), reds().fold(f32::NEG_INFINITY, f32::max)]
     }
 
-    /// The value at a finite coordinate, interpolated bilinearly between texel centres: (0, 0) is the top left corner of
-    /// the picture, (1, 1) the bottom right one.
+    /// The value at a finite coordinate, between texel centres as the filter says: (0, 0) is the top left corner of the
+    /// picture, (1, 1) the bottom right one.
     pub fn at(&self, coordinate: DVec2) -> Vec3 {
-        let place = coordinate * DVec2::new(self.width as f64, self.height as f64) - 0.5;
+        let place = coordinate * DVec2::new(self.width as f64, self.height as f64);
+        if self.filter == Filter::Nearest {
+            let column = self.wrap[0].index(place.x.floor() as i64, self.width);
+            let row = self.wrap[1].index(place.y.floor() as i64, self.height);
+            return self.texels[row * self.width + column];
+        }
+        let place = place - 0.5;
         let first = place.floor();
         let part = (place - first).as_vec2();
         let pair = |first: f64, axis: usize, size: usize| {
@@ -199,6 +221,23 @@ mod tests {
             let found = texture.at(DVec2::new(u, v));
             assert!((found - Vec3::splat(value)).abs().max_element() < 1e-6, "{u} {v}: {found}");
         }
+    }
+
+    #[test]
+    fn the_nearest_texel_ends_where_the_next_begins() {
+        let texture = greys([Wrap::Repeat, Wrap::Clamp]).filtered(Filter::Nearest);
+        for (u, v, value) in [
+            (0.0, 0.0, 0.0),
+            (0.49, 0.49, 0.0),
+            (0.51, 0.2, 0.4),
+            (0.49, 0.51, 0.8),
+            (-0.01, 9.0, 1.0),
+            (1.2, 0.9, 0.8),
+        ] {
+            assert_eq!(texture.at(DVec2::new(u, v)), Vec3::splat(value), "{u} {v}");
+        }
+        let value = texture.at(DVec2::new(f32::MAX.into(), f32::MIN.into()));
+        assert!((0.0..=1.0).contains(&value.x), "{value}");
     }
 
     #[test]

@@ -335,7 +335,8 @@ fn strips_and_fans_are_triangles_and_lines_are_a_note() {
     }
     let (_, notes) = of(4, &[0, 1, 2, 0, 2, 3, 1]).unwrap();
     assert_eq!(notes, ["indices after the last whole triangle left out: 1"]);
-    assert!(of(1, &[0, 1]).unwrap_err().to_string().contains("no triangles"));
+    let error = of(1, &[0, 1]).unwrap_err().to_string();
+    assert!(error.contains("points or lines only") && error.contains("export triangles"), "{error}");
     let mut builder = square();
     builder.indices(&[0, 1]);
     let second = r#"},{"attributes":{"POSITION":0},"indices":2,"mode":1"#;
@@ -347,9 +348,50 @@ fn strips_and_fans_are_triangles_and_lines_are_a_note() {
 fn what_is_hidden_stays_out_and_what_is_not_read_is_told_once() {
     let used = r#","extensionsUsed":["KHR_node_visibility","KHR_lights_punctual","KHR_materials_variants"]"#;
     let hidden = r#","extensions":{"KHR_node_visibility":{"visible":false}}"#;
-    assert!(
-        load(&square().glb(&(document(hidden, "", "", "") + used))).unwrap_err().to_string().contains("no triangles")
-    );
+    let error = load(&square().glb(&(document(hidden, "", "", "") + used))).unwrap_err().to_string();
+    assert!(error.contains("its scene is empty"), "{error}");
     let (_, notes) = load(&square().glb(&(document("", "", r#","_ID":0"#, "") + used))).unwrap();
     assert_eq!(notes, ["extensions of glTF that are not read: KHR_lights_punctual, KHR_materials_variants"]);
+}
+
+#[test]
+fn morph_targets_of_colours_and_attributes_of_copies_are_told() {
+    let targets = r#","targets":[{"POSITION":0,"COLOR_0":0,"TEXCOORD_0":0},{"COLOR_0":0,"TANGENT":0}]"#;
+    let (_, notes) = load(&square().glb(&document("", "", "", targets))).unwrap();
+    assert_eq!(notes, ["of morph targets only positions and normals are read, left out: COLOR_0, TEXCOORD_0"]);
+    let copies = r#","extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":2,"_COLOR_0":2,"_ID":2}}}"#;
+    let mut builder = square();
+    builder.floats("VEC3", &[0.0, 0.0, 0.0, 0.0, 0.0, 5.0]);
+    let used = r#","extensionsUsed":["EXT_mesh_gpu_instancing"]"#;
+    let (mesh, notes) = load(&builder.glb(&(document(copies, "", "", "") + used))).unwrap();
+    assert_eq!(notes, ["attributes of copies left out (EXT_mesh_gpu_instancing): _COLOR_0, _ID"]);
+    assert!((area(&mesh) - 2.0).abs() < 1e-6);
+}
+
+#[test]
+fn which_scene_is_read_is_told_where_the_document_does_not_say() {
+    let scenes = |scene: &str, list: &str| {
+        let document =
+            document("", "", "", "").replace(r#""scene":0,"scenes":[{"nodes":[0]}]"#, &format!("{scene}{list}"));
+        load(&square().glb(&document))
+    };
+    let two = r#""scenes":[{"nodes":[0]},{"name":"empty"}]"#;
+    let (mesh, notes) = scenes("", two).unwrap();
+    assert_eq!(notes, ["of 2 scenes the first is read, as the document doesn't say which"]);
+    assert!((area(&mesh) - 1.0).abs() < 1e-6);
+    assert!(scenes(r#""scene":0,"#, two).unwrap().1.is_empty());
+    let error = scenes(r#""scene":1,"#, two).unwrap_err();
+    assert!(error.problem.contains("scene is empty") && error.remedy.is_some(), "{error}");
+}
+
+#[test]
+fn matrices_of_nodes_are_affine() {
+    let of = |matrix: &str| load(&square().glb(&document(&format!(r#","matrix":[{matrix}]"#), "", "", "")));
+    let (mesh, _) = of("1,0,0,0, 0,1,0,0, 0,0,1,0, 3,0,0,1").unwrap();
+    assert!(holds(&mesh, [4.0, 1.0, 0.0]));
+    // Row by row, a translation is in the bottom row.
+    let error = of("1,0,0,3, 0,1,0,0, 0,0,1,0, 0,0,0,1").unwrap_err();
+    assert!(error.problem.contains("bottom row of the matrix of node 0 is [3.0, 0.0, 0.0, 1.0]"), "{error}");
+    assert!(error.remedy.unwrap().contains("column by column"));
+    assert!(of("1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,2").is_err());
 }

@@ -89,6 +89,29 @@ fn a_mask_cuts_out_what_lies_below_its_cutoff() {
 }
 
 #[test]
+fn the_nearest_texel_counts_where_the_sampler_says_so() {
+    let (builder, rest) = textured(2, &[[255, 0, 0, 255], [0, 0, 255, 0]]);
+    for (filter, is_nearest) in [
+        (r#""magFilter":9728,"#, true),
+        (r#""magFilter":9729,"minFilter":9728,"#, false),
+        (r#""magFilter":9728,"minFilter":9987,"#, true),
+        (r#""minFilter":9984,"#, true),
+        (r#""minFilter":9985,"#, false),
+        (r#""minFilter":9986,"#, true),
+        (r#""minFilter":9987,"#, false),
+    ] {
+        let rest = rest.replace(r#""samplers":[{"#, &format!(r#""samplers":[{{{filter}"#));
+        let masked = format!(r#"{TEXTURE},"alphaMode":"MASK","alphaCutoff":0.9"#);
+        let (mesh, _) = load(&builder, UV, &masked, &rest).unwrap();
+        // Alpha falls from 1 to 0 between 1/4 and 3/4, or at 1/2.
+        let expected = if is_nearest { 0.5 } else { 0.3 };
+        assert!((left_area(&mesh) - expected).abs() < 0.01, "{filter}: {}", left_area(&mesh));
+        let middle = mesh.textures[0].at(glam::DVec2::new(0.49, 0.5));
+        assert_eq!(middle == Vec3::X, is_nearest, "{filter}: {middle}");
+    }
+}
+
+#[test]
 fn factor_vertices_and_texture_multiply() {
     let (mut builder, rest) = textured(2, &[[255; 4], [255, 255, 255, 0]]);
     // Alpha of vertices: 1 below, 0 above.

@@ -335,6 +335,15 @@ fn what_else_ply_files_hold_is_read_or_named() {
     assert!(mesh_of("a.ply", flagged).1.contains("faces left out: material_id"));
     let transparent = PLY.replace("float z\n", "float z\nproperty uchar alpha\n").replace(" 0\n", " 0 9\n");
     assert!(mesh_of("a.ply", transparent).1.contains("alpha of vertex colours left out, every vertex is opaque: 4"));
+    let measured = PLY.replace("float z\n", "float z\nproperty float quality\nproperty list uchar int Rings\n");
+    let (mesh, notes) = mesh_of("a.ply", measured.replace(" 0\n", " 0 9 2 1 1\n"));
+    assert_eq!((&mesh, &*notes), (&expected, "properties of vertices left out: quality, Rings"));
+    let capitals = PLY
+        .replace("float x", "float X")
+        .replace("float z\n", "float z\nproperty uchar Red\nproperty uchar Green\nproperty uchar Blue\n")
+        .replace(" 0\n", " 0 255 0 0\n");
+    let (mesh, notes) = mesh_of("a.ply", capitals);
+    assert!(notes.is_empty() && mesh.positions == expected.positions && mesh.colors == [Vec3::X; 4], "{notes}");
     let normals = PLY
         .replace("float z\n", "float z\nproperty float nx\nproperty float ny\nproperty float nz\n")
         .replace(" 0\n", " 0 0 -nan(ind) 1\n");

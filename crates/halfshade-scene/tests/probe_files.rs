@@ -152,6 +152,15 @@ fn written(folder: &tempfile::TempDir, name: &str, bytes: &[u8]) -> PathBuf {
 }
 
 #[test]
+fn a_byte_order_mark_before_a_radiance_picture_changes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = radiance_picture("EXPOSURE=2");
+    let marked = [b"\xef\xbb\xbf", &*picture].concat();
+    let read = |name, bytes: &[u8]| load_probe(&written(&folder, name, bytes), &options(None, None)).unwrap().0;
+    assert_eq!(read("marked.hdr", &marked), read("plain.hdr", &picture));
+}
+
+#[test]
 fn radiance_pictures_in_other_primaries() {
     let folder = tempfile::tempdir().unwrap();
     let read =

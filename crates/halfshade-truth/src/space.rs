@@ -14,6 +14,10 @@ const ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
 /// only. 2^-46 of half the scene's extent.
 const LEAST_ROUNDING: f64 = HALF_EXTENT / (1_u64 << 46) as f64;
 
+/// The least half extent of a box, as a part of how far out it lies: boxes that are flat along the axes on which they lie
+/// far out may be smaller by any factor, and what is added for rounding would overflow. 2^-32.
+const LEAST_EXTENT: f64 = 1.0 / (1_u64 << 32) as f64;
+
 /// A uniform scale and a shift between world space and tracing space. Directions are the same in both.
 ///
 /// The scale is a power of two, and an axis is shifted only where that costs no digit: single-precision coordinates of the
@@ -34,7 +38,8 @@ impl TracingSpace {
         // The difference of two numbers within a factor of two of each other is exact. The middle itself is rounded to a
         // number like theirs.
         let shift = |axis: usize| if center[axis].abs() >= 2.0 * half[axis] { center[axis] as f32 } else { 0.0 };
-        let tracing_from_world = match half.max_element() {
+        let farthest = min.abs().max(max.abs()).max_element();
+        let tracing_from_world = match half.max_element().max(LEAST_EXTENT * farthest) {
             0.0 => 1.0,
             half => (HALF_EXTENT / half).log2().floor().exp2(),
         };
@@ -119,6 +124,19 @@ mod tests {
                 let traced = space.point(point.as_dvec3());
                 assert_eq!(space.point_in_world(traced).as_vec3(), point);
                 assert!(f64::from(traced.length()) < TracingSpace::bounding_radius(), "{point}");
+            }
+        }
+    }
+
+    /// Areas of boxes, times the number of triangles, are what hierarchies are built by.
+    #[test]
+    fn areas_of_padded_boxes_are_finite_however_far_out_and_small() {
+        for far in [0.0, 1.0, 1e12, 1e28, 1e37, 3e38] {
+            for half in [0.0, 1e-44, 1e-30, 1.0, 1e30] {
+                let (min, max) = (Vec3::new(far, -half, -half), Vec3::new(far, half, half));
+                let space = TracingSpace::around(min.as_dvec3(), max.as_dvec3());
+                let size = (space.point(max.as_dvec3()) - space.point(min.as_dvec3())) + 2.0 * space.padding(min, max);
+                assert!((1e9 * size.length_squared()).is_finite(), "{far} {half}: {size}");
             }
         }
     }

@@ -3,7 +3,7 @@
 use super::document::{AnimationTable, CameraTable, Document, KeyframeTable, LightTable, Meshes, ObjectTable};
 use super::environment::environment;
 use super::source::{Source, named_notes, stem};
-use super::values::{albedo, checked, place, radiance, whole};
+use super::values::{albedo, checked, length, place, radiance, whole};
 use super::{framing, reflectance};
 use crate::camera::check_resolution;
 use crate::scene::{DEFAULT_FRAMES_PER_SEC, MAX_BOUNCES};
@@ -67,8 +67,10 @@ pub(super) fn scene(source: &Source<'_>, document: Document) -> Result<Scene> {
     })
 }
 
+/// The pose of what reaches as far as `size` from its origin.
 fn pose(
     source: &Source<'_>,
+    size: f64,
     translate: Option<&Spanned<[f32; 3]>>,
     rotate: Option<&Spanned<[f32; 4]>>,
     scale: Option<&Spanned<f32>>,
@@ -86,12 +88,13 @@ fn pose(
         pose.rotation = Quat::from_axis_angle(axis, turn[3].to_radians());
     }
     if let Some(value) = scale {
-        pose.scale = checked(source, "scale", value, "positive and finite", |s| s > 0.0 && s.is_finite())?;
+        pose.scale = length(source, "scale", value, size)?;
     }
     Ok(pose)
 }
 
-fn keyframes(source: &Source<'_>, table: &Spanned<Vec<Spanned<KeyframeTable>>>) -> Result<Motion> {
+/// The motion of what reaches as far as `size` from its origin.
+fn keyframes(source: &Source<'_>, size: f64, table: &Spanned<Vec<Spanned<KeyframeTable>>>) -> Result<Motion> {
     if table.get_ref().is_empty() {
         return Err(source.error(table.span(), "keyframe is empty; give at least one, or none"));
     }
@@ -101,7 +104,7 @@ fn keyframes(source: &Source<'_>, table: &Spanned<Vec<Spanned<KeyframeTable>>>) 
         let previous = keys.last().map_or(f64::NEG_INFINITY, |(time, _)| *time);
         let fits = |t: f64| t.is_finite() && t > previous;
         let time = checked(source, "time", time, "finite and later than that of the keyframe before", fits)?;
-        keys.push((time, pose(source, translate.as_ref(), rotate.as_ref(), scale.as_ref())?));
+        keys.push((time, pose(source, size, translate.as_ref(), rotate.as_ref(), scale.as_ref())?));
     }
     Ok(Motion::Keyframes(keys))
 }
@@ -146,11 +149,15 @@ fn object(
         material.reflectance = reflectance::reflectance(source, table.get_ref(), material.albedo)?;
         material.gloss_variation = reflectance::variation(source, table.get_ref(), &mesh, &default_name)?;
     }
-    let still = pose(source, table.translate.as_ref(), table.rotate.as_ref(), table.scale.as_ref())?;
+    let size = match &skin {
+        Some(skin) => skin.reach(&mesh),
+        None => mesh.positions.iter().map(|p| f64::from(p.abs().max_element())).fold(0.0, f64::max),
+    };
+    let still = pose(source, size, table.translate.as_ref(), table.rotate.as_ref(), table.scale.as_ref())?;
     let motion = match &table.keyframe {
         None => Motion::Still(still),
         Some(keys) if table.translate.is_none() && table.rotate.is_none() && table.scale.is_none() => {
-            keyframes(source, keys)?
+            keyframes(source, size, keys)?
         }
         Some(keys) => {
             return Err(source
@@ -220,11 +227,12 @@ fn light(source: &Source<'_>, table: Spanned<LightTable>) -> Result<(SphereLight
     let LightTable { sphere, radiance: emitted, keyframe } = table.into_inner();
     let light = SphereLight {
         center: place(source, "center", &sphere.center)?,
-        radius: checked(source, "radius", &sphere.radius, "positive and finite", |r| r > 0.0 && r.is_finite())?,
+        radius: length(source, "radius", &sphere.radius, 1.0)?,
         radiance: radiance(source, "radiance", &emitted)?,
     };
+    let size = light.center.abs().max_element().max(light.radius);
     let motion = match &keyframe {
-        Some(keys) => keyframes(source, keys)?,
+        Some(keys) => keyframes(source, size.into(), keys)?,
         None => Motion::Still(Pose::IDENTITY),
     };
     Ok((light, motion))
@@ -413,6 +421,24 @@ mod tests {
             ("\nspheres = -1", 4, &["spheres = -1", "0 to"]),
             ("\nspheres = 1000000", 4, &["spheres = 1000000", "0 to 2000"]),
             ("translate = [0, inf, 0]", 3, &["translate"]),
+            ("translate = [1e37, 0, 0]", 3, &["translate = [1e37, 0.0, 0.0]", "from -1e12 to 1e12", "unit of length"]),
+            ("scale = 2e12", 3, &["scale = 2e12", "at most 1.00e12", "unit of length"]),
+            ("keyframe = [\n{ time = 0 },\n{ time = 1, translate = [0, -1e30, 0] }]", 5, &["translate", "1e12"]),
+            ("keyframe = [{ time = 0, scale = 1e30 }]", 3, &["scale", "1.00e12"]),
+            ("[[light]]\nsphere = { center = [0, 1e30, 0], radius = 1 }\nradiance = [1, 1, 1]", 4, &["center", "1e12"]),
+            (
+                "[[light]]\nsphere = { center = [0, 0, 0], radius = 1e30 }\nradiance = [1, 1, 1]",
+                4,
+                &["radius", "1.00e12"],
+            ),
+            (
+                "[[light]]\nsphere = { center = [0, 1e6, 0], radius = 1 }\nradiance = [1, 1, 1]\n\
+                 keyframe = [{ time = 0, scale = 2e6 }]",
+                6,
+                &["scale", "at most 1.00e6"],
+            ),
+            ("[camera]\neye = [0, 1e28, 0]\ntarget = [0, 1, 0]", 4, &["eye", "1e12"]),
+            ("[camera]\neye = [0, 1, 0]\ntarget = [0, 1e28, 0]", 5, &["target", "1e12"]),
             ("rotate = [0, 0, 0, 90]", 3, &["rotate", "axis"]),
             ("mesh = \"x.obj\"", 1, &["either"]),
             ("keyframe = []", 3, &["keyframe"]),
@@ -447,6 +473,13 @@ mod tests {
             assert!(parts.iter().all(|part| text.contains(part)), "{addition:?}: {text}");
         }
         assert!(read("name = \"x\"").unwrap_err().to_string().contains("no objects"));
+    }
+
+    #[test]
+    fn the_sun_may_stand_where_it_is() {
+        let sun = "[[light]]\nsphere = { center = [0, 1.5e11, 0], radius = 7e8 }\nradiance = [2e7, 2e7, 2e7]";
+        let scene = read(&format!("{OBJECT}{sun}")).unwrap();
+        assert_eq!((scene.lights[0].0.center.y, scene.lights[0].0.radius), (1.5e11, 7e8));
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! Scene files, and scenes around a mesh file.
 //!
 //! A scene file is TOML. Besides the keys below, none is allowed; one that is unknown is an error that names its line
-//! and the keys there are. Paths are relative to the scene file.
+//! and the keys there are. Paths are relative to the scene file. Places, radii and what scales make of meshes stay within
+//! 1e12, so that single precision can multiply them.
 //!
 //! ```toml
 //! name = "bunny"                    # default: the file's name

@@ -2,11 +2,15 @@
 
 use super::source::Source;
 use crate::SceneError;
+use crate::mesh::LARGEST_COORDINATE;
 use glam::Vec3;
 use std::ops::RangeInclusive;
 use toml::Spanned;
 
 type Result<T> = std::result::Result<T, SceneError>;
+
+/// What to do about a scene too large to compute with.
+const IF_LARGER: &str = "; choose a larger unit of length if the scene is that large";
 
 /// A whole number within a range, or its default.
 pub(super) fn whole(
@@ -40,9 +44,18 @@ pub(super) fn checked<T: Copy + std::fmt::Debug>(
     Err(source.error(value.span(), format!("{what} = {inner:?} must be {expected}")))
 }
 
-/// A point or a shift: three finite numbers.
+/// A point or a shift, no farther out than numbers can be computed with.
 pub(super) fn place(source: &Source<'_>, what: &str, value: &Spanned<[f32; 3]>) -> Result<Vec3> {
-    checked(source, what, value, "three finite numbers", |v| Vec3::from(v).is_finite()).map(Vec3::from)
+    let expected = format!("three numbers from -{LARGEST_COORDINATE:e} to {LARGEST_COORDINATE:e}{IF_LARGER}");
+    let fits = |v: [f32; 3]| v.iter().all(|x| x.abs() <= LARGEST_COORDINATE);
+    checked(source, what, value, &expected, fits).map(Vec3::from)
+}
+
+/// A radius, or a scale of what is as large as `size`.
+pub(super) fn length(source: &Source<'_>, what: &str, value: &Spanned<f32>, size: f64) -> Result<f32> {
+    let largest = f64::from(LARGEST_COORDINATE) / size;
+    let expected = format!("positive and at most {largest:.2e}{IF_LARGER}");
+    checked(source, what, value, &expected, |x| x > 0.0 && x.is_finite() && f64::from(x) <= largest)
 }
 
 /// A fraction of light per channel.

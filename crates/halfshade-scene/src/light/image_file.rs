@@ -10,7 +10,7 @@ mod rgbe;
 
 pub(super) use decoded::{Decoded, Image};
 
-use crate::SceneError;
+use crate::{SceneError, text};
 
 /// Decodes Radiance HDR or OpenEXR, told apart by their first bytes. `layer` names one of an OpenEXR file.
 pub(super) fn decode(bytes: &[u8], layer: Option<&str>) -> Result<Decoded, SceneError> {
@@ -20,6 +20,7 @@ pub(super) fn decode(bytes: &[u8], layer: Option<&str>) -> Result<Decoded, Scene
     if bytes.starts_with(&exr::meta::magic_number::BYTES) {
         return open_exr::decode(bytes, layer);
     }
+    let bytes = bytes.strip_prefix(text::MARK).unwrap_or(bytes);
     if !bytes.starts_with(b"#?") {
         return Err(SceneError::new("this is neither Radiance HDR, which begins with `#?`, nor OpenEXR")
             .with_remedy("get it again, or save it as one of these"));

@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 /// Coordinates beyond this would overflow f32 once multiplied three times, as volumes are.
-pub(super) const LARGEST_COORDINATE: f32 = 1e12;
+pub(crate) const LARGEST_COORDINATE: f32 = 1e12;
 
 /// What loaders return: unchecked.
 #[derive(Debug, Clone, Default)]

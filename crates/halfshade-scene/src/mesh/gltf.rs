@@ -70,6 +70,8 @@ struct Collector<'a> {
     textures: Textures<'a>,
     raw: RawMesh,
     left_out: LeftOut,
+    /// Whether any node that is shown has a mesh.
+    has_mesh: bool,
 }
 
 /// How many parts there were of what isn't read.
@@ -85,13 +87,17 @@ struct LeftOut {
 impl<'a> Collector<'a> {
     fn new(document: &'a Document, buffers: &'a Buffers, skeleton: Option<Skeleton<'a>>) -> Self {
         let (raw, left_out, textures) = (RawMesh::default(), LeftOut::default(), Textures::new(document));
-        Self { document, buffers, skeleton, is_animated: false, textures, raw, left_out }
+        Self { document, buffers, skeleton, is_animated: false, textures, raw, left_out, has_mesh: false }
     }
 
     /// Walks through the nodes of the scene.
     fn collect(&mut self) -> Result<(), SceneError> {
         let document = self.document;
         let mut stack: Vec<(Node<'a>, DMat4)> = Vec::new();
+        let count = document.scenes().len();
+        if document.default_scene().is_none() && count > 1 {
+            self.raw.notes.push(format!("of {count} scenes the first is read, as the document doesn't say which"));
+        }
         match document.default_scene().or_else(|| document.scenes().next()) {
             Some(scene) => stack.extend(scene.nodes().map(|node| (node, DMat4::IDENTITY))),
             None => {
@@ -125,6 +131,7 @@ impl<'a> Collector<'a> {
     /// Adds the mesh of a node, if it has one.
     fn add(&mut self, node: &Node<'a>, world_from_node: DMat4) -> Result<(), SceneError> {
         let Some(mesh) = node.mesh() else { return Ok(()) };
+        self.has_mesh = true;
         let name = mesh.name().map_or_else(|| mesh.index().to_string(), |name| format!("`{name}`"));
         let about = |error: SceneError| SceneError { problem: format!("mesh {name}: {}", error.problem), ..error };
         let mut copies = instances(node, self.document, self.buffers).map_err(about)?;
@@ -193,13 +200,21 @@ impl<'a> Collector<'a> {
 
     /// The mesh, and what moves it; `notes` are those of the document.
     fn finish(self, notes: Vec<String>) -> Result<(RawMesh, Option<Skeleton<'a>>), SceneError> {
-        let Self { mut raw, textures, left_out, skeleton, .. } = self;
+        let Self { mut raw, textures, left_out, skeleton, has_mesh, .. } = self;
+        if !has_mesh {
+            return Err(SceneError::new("its scene is empty: no node that is shown has a mesh")
+                .with_remedy("export a scene with a mesh"));
+        }
         let LeftOut { lines, indices, blended, gone, copies_of_skins } = left_out;
         if raw.triangles.is_empty() && gone > 0 {
             return Err(SceneError::new("its alpha masks cut out all that there is")
                 .with_remedy("raise alpha, lower alphaCutoff, or make the material opaque"));
         }
-        raw.notes = notes;
+        if raw.triangles.is_empty() && lines > 0 {
+            return Err(SceneError::new("it has points or lines only, and no triangles")
+                .with_remedy("surfaces are what is read: export triangles"));
+        }
+        raw.notes.splice(0..0, notes);
         for (count, what) in [
             (lines, "parts of points or lines left out"),
             (indices, "indices after the last whole triangle left out"),

@@ -89,10 +89,10 @@ pub fn load_animated_with_notes(
     let (raw, joints) = gltf::parse_animated(path, &bytes_of(path)?, animation).map_err(about)?;
     let Assembled { mut mesh, influences, morphs, flat_triangles, notes } = assemble(raw).map_err(about)?;
     let skin = Skin { joints, influences, morphs, flat_triangles };
-    if skin.reach(&mesh) > f64::from(LARGEST_COORDINATE) {
-        return Err(about(SceneError::new(format!(
-            "animation {animation} moves the mesh too far out to compute with"
-        ))));
+    let reach = skin.reach(&mesh);
+    if reach > f64::from(LARGEST_COORDINATE) {
+        let problem = format!("animation {animation} may move vertices too far out to compute with, to {reach:.2e}");
+        return Err(about(SceneError::new(problem).with_remedy("correct its keys in the program that wrote the file")));
     }
     if skin.moves() {
         return Ok((mesh, Some(skin), notes));

@@ -20,6 +20,7 @@ mod words;
 
 pub use alpha_mask::AlphaMask;
 pub use animation::Animation;
+pub(crate) use assemble::LARGEST_COORDINATE;
 pub use colors::ColorEncoding;
 pub use load::{EXTENSIONS, load, load_animated, load_animated_with_notes, load_with_colors, load_with_notes, parse};
 pub use normals::smooth_normals;

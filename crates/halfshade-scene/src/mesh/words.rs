@@ -67,10 +67,20 @@ impl<'a> Words<'a> {
 
     /// Goes to the start of the next line.
     pub(super) fn next_line(&mut self) {
+        self.next_line_where(false);
+    }
+
+    /// Goes to the start of the next line; where carriage returns end lines alone, a line feed after one belongs to it.
+    pub(super) fn next_line_where(&mut self, returns_stand_alone: bool) {
         self.skip_while(|byte| !ends_line(byte));
-        let rest = &self.bytes[self.at..];
-        self.at += if rest.starts_with(b"\r\n") { 2 } else { rest.len().min(1) };
+        let is_pair = !returns_stand_alone && self.rest().starts_with(b"\r\n");
+        self.at += if is_pair { 2 } else { self.rest().len().min(1) };
         self.line += 1;
+    }
+
+    /// Whether the line, at whose end the walk is, ends with a carriage return alone.
+    pub(super) fn is_at_return_alone(&self) -> bool {
+        self.rest().starts_with(b"\r") && !self.rest().starts_with(b"\r\n")
     }
 
     /// Goes to the start of the next line that this one doesn't go on with. Only a backslash that stands alone joins

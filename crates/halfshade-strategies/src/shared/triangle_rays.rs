@@ -32,6 +32,13 @@ const REACH_BEHIND: f32 = 4.0;
 /// its distance, with room.
 const VOLUME_ROUNDING: f32 = 16.0 * f32::EPSILON;
 
+/// The least half extent of what is traced, as a part of how far out it lies: boxes that are flat along the axes on which
+/// they lie far out may be smaller by any factor, and what is added for rounding would overflow. 2^-32.
+const LEAST_EXTENT: f64 = 1.0 / (1_u64 << 32) as f64;
+
+/// The least half extent of all: 2^-92, so that scales fit single precision.
+const SMALLEST_EXTENT: f64 = 1.0 / (1_u128 << 92) as f64;
+
 /// The hierarchy over primitives, of which there may be none.
 pub(crate) fn hierarchy<T: Boundable>(primitives: &[T]) -> CwBvh {
     if primitives.is_empty() {
@@ -60,8 +67,9 @@ impl RaySpace {
     /// For what lies between two corners.
     pub(crate) fn around(low: Vec3, high: Vec3) -> Self {
         let (low, high) = (low.as_dvec3(), high.as_dvec3());
-        let largest = 0.5 * (high - low).max_element();
-        let scale = if largest > 0.0 { (HALF_EXTENT / largest).log2().floor().exp2() } else { 1.0 };
+        let farthest = low.abs().max(high.abs()).max_element();
+        let largest = (0.5 * (high - low).max_element()).max(LEAST_EXTENT * farthest).max(SMALLEST_EXTENT);
+        let scale = (HALF_EXTENT / largest).log2().floor().exp2();
         Self { center: origin_between(low, high), scale }
     }
 
@@ -256,5 +264,28 @@ impl TriangleRays {
             + size_of_val(self.holes.as_slice())
             + size_of_val(self.hierarchy.nodes.as_slice())
             + size_of_val(self.hierarchy.primitive_indices.as_slice())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Hierarchies are built by areas, which must not overflow.
+    #[test]
+    fn what_is_tiny_or_far_out_is_met() {
+        for far in [0.0, 1.0, 1e12, 1e28, 1e37] {
+            for size in [1e-36, 1e-30, 1.0, 1e12] {
+                // Many triangles in a row, in the plane x = far.
+                let corners = |i: u16| {
+                    [[0.0, -1.0], [1.0, 2.0], [-1.0, 2.0]]
+                        .map(|[y, z]| Vec3::new(far, size * (y + 3.0 * f32::from(i)), size * z))
+                };
+                let rays = TriangleRays::new((0..40).map(corners).collect(), Vec::new());
+                let start = Vec3::new(2.0 * far + size, size * 60.0, size);
+                let found = [Vec3::NEG_X, Vec3::X].map(|to| rays.blocked(&Start::free(start), to, f32::INFINITY));
+                assert_eq!(found, [true, false], "{far} {size}");
+            }
+        }
     }
 }

@@ -56,11 +56,14 @@ impl Header {
         let mut is_over = false;
         let mut rest = bytes;
         while let Some(end) = rest.iter().position(|&byte| byte == b'\n') {
-            let line = String::from_utf8_lossy(&rest[..end]);
-            let line = line.trim();
-            rest = &rest[end + 1..];
+            let (raw, after) = (&rest[..end], &rest[end + 1..]);
+            let line = String::from_utf8_lossy(raw);
+            let line = line.trim_end();
+            // Programs that make a picture of others keep their headers, each line behind a tab.
+            let is_of_another = raw.starts_with(b"\t") || raw.starts_with(b" ");
+            rest = after;
             // Some writers leave the empty line out.
-            if let Some(resolution) = Resolution::parse(line) {
+            if let Some(resolution) = Resolution::parse(line).filter(|_| is_over || !is_of_another) {
                 let applied = exposure * correction;
                 if !(applied.is_finite() && applied.min_element() > 0.0) {
                     return Err(SceneError::new(format!(
@@ -74,8 +77,8 @@ impl Header {
             if is_over && !line.is_empty() {
                 break;
             }
-            is_over = line.is_empty();
-            if line.starts_with('#') {
+            is_over = matches!(raw, b"" | b"\r");
+            if is_of_another || line.starts_with('#') {
                 continue;
             }
             // Other lines are commands that made the picture.
@@ -177,6 +180,10 @@ mod tests {
         assert_eq!(texel("#?RGBE\nFORMAT=32-bit_rle_rgbe"), Vec3::new(2.0, 64.0, 32.0));
         let several = "#?RADIANCE\nEXPOSURE=2\npfilt -x 3\nEXPOSURE= 4 \r\nCOLORCORR=1 2 0.5\n# a comment: EXPOSURE=9";
         assert_eq!(texel(several), Vec3::new(0.25, 4.0, 8.0));
+        // Lines of the pictures that it was made of.
+        let parts = "#?RADIANCE\nin.hdr:\n\t#?RADIANCE\n\tEXPOSURE=8\n \tCOLORCORR=2 2 2\n\tGAMMA=2.2\n\
+                     \tFORMAT=32-bit_rle_xyze\n\tPRIMARIES=1 2 3\n\t\n\t-Y 1 +X 1\npcomb -s 1\nEXPOSURE=2";
+        assert_eq!(texel(parts), Vec3::new(1.0, 32.0, 16.0));
         assert_eq!(
             texel("#?RADIANCE\nVIEW= -vtv\nGAMMA=1.0\nPIXASPECT=0.5\nSOFTWARE=none"),
             Vec3::new(2.0, 64.0, 32.0)

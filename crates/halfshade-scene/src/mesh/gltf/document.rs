@@ -5,6 +5,8 @@
 
 use super::emission::emission_note;
 use super::extensions;
+use super::instances;
+use super::morph;
 use super::uri;
 use crate::{SceneError, text};
 use ::gltf::json::{Index, Root, Value, accessor, deserialize, validation::Checked};
@@ -39,11 +41,15 @@ impl Buffers {
 /// The document in a file, its buffers, and what of it isn't read, for people.
 pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<(Document, Buffers, Vec<String>), SceneError> {
     let (text, blob) = parts(bytes)?;
-    let mut json = parse(&text, blob.is_none())?;
+    let text = unpadded(&text)?;
+    let mut json = parse(text, blob.is_none())?;
     let mut notes = extensions::check(&json)?;
     notes.extend(emission_note(&json));
+    notes.extend(instances::note(&json));
+    notes.extend(morph::note(text, &json));
     let is_quantized = json.extensions_used.iter().any(|name| name == "KHR_mesh_quantization");
     check_positions(&json)?;
+    check_matrices(&json)?;
     let zeros = complete(&mut json);
     json.extensions_required.clear();
     let document = Document::from_json(json).map_err(|error| no_gltf(&error))?;
@@ -79,12 +85,16 @@ fn parts(bytes: &[u8]) -> Result<(Vec<u8>, Option<Vec<u8>>), SceneError> {
     Ok((glb.json.into_owned(), Some(glb.bin.map_or_else(Vec::new, std::borrow::Cow::into_owned))))
 }
 
-/// The JSON document. A byte-order mark before it, and the zeros with which some programs fill up a chunk, are left out.
-fn parse(text: &[u8], has_lines: bool) -> Result<Root, SceneError> {
+/// The text without a byte-order mark before it, and without the zeros with which some programs fill up a chunk.
+fn unpadded(text: &[u8]) -> Result<&[u8], SceneError> {
     let text = text::without_mark(text)?;
     let end = text.iter().rposition(|byte| *byte != 0).map_or(0, |last| last + 1);
-    let text = &text[..end];
-    match deserialize::from_slice::<Root>(text) {
+    Ok(&text[..end])
+}
+
+/// The JSON document.
+fn parse(text: &[u8], has_lines: bool) -> Result<Root, SceneError> {
+    match deserialize::from_slice::<Root>(text).or_else(|error| with_empty_scenes(text).ok_or(error)) {
         Ok(root) if is_version_2(&root.asset.version) && root.asset.min_version.as_deref().is_none_or(is_version_2) => {
             Ok(root)
         }
@@ -103,6 +113,21 @@ fn parse(text: &[u8], has_lines: bool) -> Result<Root, SceneError> {
             }
         }
     }
+}
+
+/// The document of a text in which scenes lack the list of their nodes, which glTF lets them and the crate doesn't.
+fn with_empty_scenes(text: &[u8]) -> Option<Root> {
+    let mut value: Value = deserialize::from_slice(text).ok()?;
+    let mut is_mended = false;
+    for scene in value.get_mut("scenes")?.as_array_mut()? {
+        let nodes = || {
+            is_mended = true;
+            Value::Array(Vec::new())
+        };
+        scene.as_object_mut()?.entry("nodes").or_insert_with(nodes);
+    }
+    // What else is wrong isn't to be lost on the way: a value forgets keys that are there twice.
+    if is_mended { deserialize::from_value(value).ok() } else { None }
 }
 
 /// Whether this is 2.0, or a later version that is compatible with it.
@@ -124,6 +149,21 @@ fn check_positions(json: &Root) -> Result<(), SceneError> {
         Some(accessor) => Err(SceneError::new(format!("accessor {} is named, but doesn't exist", accessor.value()))),
         None => Ok(()),
     }
+}
+
+/// Matrices of nodes must be affine: the bottom row is taken for 0, 0, 0, 1.
+fn check_matrices(json: &Root) -> Result<(), SceneError> {
+    for (number, node) in json.nodes.iter().enumerate() {
+        let Some(matrix) = node.matrix else { continue };
+        let bottom = [matrix[3], matrix[7], matrix[11], matrix[15]];
+        if bottom.iter().zip([0.0, 0.0, 0.0, 1.0]).any(|(found, expected)| (found - expected).abs() > 1e-5) {
+            return Err(SceneError::new(format!(
+                "the bottom row of the matrix of node {number} is {bottom:?}, not 0, 0, 0, 1"
+            ))
+            .with_remedy("glTF has affine matrices, column by column: export it again"));
+        }
+    }
+    Ok(())
 }
 
 /// Fills in what the crate wants and nobody reads; returns the accessors that have no data.

@@ -4,14 +4,30 @@ use super::Buffers;
 use super::accessor::{Whole, numbers};
 use crate::SceneError;
 use ::gltf::accessor::Dimensions;
-use ::gltf::json::Value;
+use ::gltf::json::{Root, Value};
 use ::gltf::{Document, Node};
 use glam::{DMat4, DQuat, DVec3};
+use std::collections::BTreeSet;
+
+const NAME: &str = "EXT_mesh_gpu_instancing";
+
+/// Attributes that are read.
+const ATTRIBUTES: [&str; 3] = ["TRANSLATION", "ROTATION", "SCALE"];
+
+/// Tells people which attributes of copies aren't read.
+pub(super) fn note(json: &Root) -> Option<String> {
+    let extensions = json.nodes.iter().filter_map(|node| node.extensions.as_ref()?.others.get(NAME));
+    let attributes = extensions.filter_map(|extension| extension.get("attributes")?.as_object());
+    let names = attributes.flat_map(|list| list.keys()).map(String::as_str);
+    let left_out: BTreeSet<&str> = names.filter(|name| !ATTRIBUTES.contains(name)).collect();
+    let names = left_out.into_iter().collect::<Vec<_>>().join(", ");
+    (!names.is_empty()).then(|| format!("attributes of copies left out ({NAME}): {names}"))
+}
 
 /// Where the copies stand that a node asks for, in its space; one at its place where it asks for none.
 pub(super) fn instances(node: &Node<'_>, document: &Document, buffers: &Buffers) -> Result<Vec<DMat4>, SceneError> {
-    let Some(extension) = node.extension_value("EXT_mesh_gpu_instancing") else { return Ok(vec![DMat4::IDENTITY]) };
-    let about = |problem: String| SceneError::new(format!("EXT_mesh_gpu_instancing: {problem}"));
+    let Some(extension) = node.extension_value(NAME) else { return Ok(vec![DMat4::IDENTITY]) };
+    let about = |problem: String| SceneError::new(format!("{NAME}: {problem}"));
     let attributes = extension.get("attributes").and_then(Value::as_object);
     let attributes = attributes.ok_or_else(|| about("there are no attributes".to_owned()))?;
     let accessor = |name: &str| {
@@ -24,9 +40,10 @@ pub(super) fn instances(node: &Node<'_>, document: &Document, buffers: &Buffers)
         let read = |a| numbers::<3>(&a, buffers, Dimensions::Vec3, Whole::AsDeclared);
         accessor(name)?.map(read).transpose()
     };
-    let (translations, scales) = (places("TRANSLATION")?, places("SCALE")?);
+    let [translation, rotation, scale] = ATTRIBUTES;
+    let (translations, scales) = (places(translation)?, places(scale)?);
     let rotations =
-        accessor("ROTATION")?.map(|a| numbers::<4>(&a, buffers, Dimensions::Vec4, Whole::Fraction)).transpose()?;
+        accessor(rotation)?.map(|a| numbers::<4>(&a, buffers, Dimensions::Vec4, Whole::Fraction)).transpose()?;
     let counts = [translations.as_ref().map(Vec::len), scales.as_ref().map(Vec::len), rotations.as_ref().map(Vec::len)];
     let mut known = counts.into_iter().flatten();
     let Some(count) = known.next() else { return Ok(vec![DMat4::IDENTITY]) };

@@ -2,11 +2,11 @@
 
 use super::{Buffers, uri};
 use crate::mesh::AlphaMask;
-use crate::texture::Wrap;
+use crate::texture::{Filter, Wrap};
 use crate::{SceneError, Texture};
 use ::gltf::Document;
 use ::gltf::image::{Image, Source};
-use ::gltf::texture::WrappingMode;
+use ::gltf::texture::{MagFilter, MinFilter, Sampler, WrappingMode};
 use glam::Vec3;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -49,20 +49,15 @@ impl<'a> Textures<'a> {
         let read = match texture {
             None => Texture::new(1, 1, vec![Vec3::ONE])?,
             Some(texture) => {
-                let wrap = |mode| match mode {
-                    WrappingMode::ClampToEdge => Wrap::Clamp,
-                    WrappingMode::MirroredRepeat => Wrap::Mirror,
-                    WrappingMode::Repeat => Wrap::Repeat,
-                };
                 let sampler = texture.sampler();
-                let wrap = [wrap(sampler.wrap_s()), wrap(sampler.wrap_t())];
+                let sampled = |texture: Texture| texture.wrapped(wrap_of(&sampler)).filtered(filter_of(&sampler));
                 let (color, alpha) = decoded(&self.image(&texture)?, buffers)?;
                 let alpha = alpha.map(|alpha| {
                     let bounds = alpha.red_bounds();
-                    (Arc::new(alpha.wrapped(wrap)), bounds)
+                    (Arc::new(sampled(alpha)), bounds)
                 });
                 self.alpha_of.insert(texture.index(), alpha);
-                color.wrapped(wrap)
+                sampled(color)
             }
         };
         self.list.push(Arc::new(read));
@@ -127,6 +122,26 @@ impl<'a> Textures<'a> {
             }
             _ => Ok(image),
         }
+    }
+}
+
+/// What a sampler has beyond the edges, along rows and columns.
+fn wrap_of(sampler: &Sampler<'_>) -> [Wrap; 2] {
+    [sampler.wrap_s(), sampler.wrap_t()].map(|mode| match mode {
+        WrappingMode::ClampToEdge => Wrap::Clamp,
+        WrappingMode::MirroredRepeat => Wrap::Mirror,
+        WrappingMode::Repeat => Wrap::Repeat,
+    })
+}
+
+/// How a sampler magnifies: where it doesn't say, as it minifies.
+fn filter_of(sampler: &Sampler<'_>) -> Filter {
+    use MinFilter::{Nearest, NearestMipmapLinear, NearestMipmapNearest};
+    match (sampler.mag_filter(), sampler.min_filter()) {
+        (Some(MagFilter::Nearest), _) | (None, Some(Nearest | NearestMipmapLinear | NearestMipmapNearest)) => {
+            Filter::Nearest
+        }
+        _ => Filter::Linear,
     }
 }
 

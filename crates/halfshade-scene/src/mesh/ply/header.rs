@@ -95,6 +95,8 @@ impl Header {
                 .at_line(1)
                 .with_remedy("is it a PLY file?"));
         }
+        // The data after the header may begin with a byte that is a line feed.
+        let returns_stand_alone = words.is_at_return_alone();
         words.next_line();
         let mut format = None;
         let mut elements: Vec<Element> = Vec::new();
@@ -183,7 +185,7 @@ impl Header {
         }
         let format = format
             .ok_or_else(|| SceneError::new("the header has no line `format`").with_remedy("export the mesh again"))?;
-        words.next_line();
+        words.next_line_where(returns_stand_alone);
         Ok(Self { format, elements })
     }
 }
@@ -215,7 +217,8 @@ mod tests {
         for ends in ["\n", "\r\n", "\r"] {
             let text = SOUND.replace('\n', ends);
             let expected = Header { format: Format::BigEndian, elements: elements.clone() };
-            assert_eq!(read(&format!("{text}x")).unwrap(), (expected, text.len()));
+            assert_eq!(read(&format!("{text}x")).unwrap(), (expected.clone(), text.len()));
+            assert_eq!(read(&format!("{text}\n")).unwrap(), (expected, text.len()));
         }
     }
 

@@ -14,7 +14,8 @@ const COLOR: usize = 8;
 const ALPHA: usize = 11;
 const VALUES: usize = 12;
 
-/// Names of properties that only together mean something, with the first of their places.
+/// Names of properties that only together mean something, with the first of their places. In a file they may be in
+/// capitals.
 const FAMILIES: &[(usize, &[&str])] = &[
     (POSITION, &["x", "y", "z"]),
     (NORMAL, &["nx", "ny", "nz"]),
@@ -46,9 +47,9 @@ pub(super) struct Vertices {
 
 impl Vertices {
     pub(super) fn read(payload: &mut Payload<'_>, element: &Element) -> Result<Self, SceneError> {
-        let property = |name: &str| element.properties.iter().find(|property| property.name == name);
+        let place_of = |name: &str| element.properties.iter().position(|p| p.name.eq_ignore_ascii_case(name));
         for axis in ["x", "y", "z"] {
-            if property(axis).is_none() {
+            if place_of(axis).is_none() {
                 return Err(SceneError::new(format!("the header declares no property `{axis}` for the vertices"))
                     .with_remedy("export the mesh again"));
             }
@@ -56,12 +57,12 @@ impl Vertices {
         // The first family of a kind that is there counts.
         let mut places: Vec<Option<usize>> = vec![None; element.properties.len()];
         let mut is_there = [false; VALUES];
-        let mut notes = Vec::new();
+        let (mut notes, mut is_noted) = (Vec::new(), vec![false; element.properties.len()]);
         for &(first, names) in FAMILIES {
-            let found: Vec<usize> =
-                names.iter().filter_map(|name| element.properties.iter().position(|p| p.name == *name)).collect();
+            let found: Vec<usize> = names.iter().filter_map(|name| place_of(name)).collect();
             if found.len() < names.len() {
                 if !found.is_empty() {
+                    found.iter().for_each(|&place| is_noted[place] = true);
                     let there =
                         found.iter().map(|&i| element.properties[i].name.as_str()).collect::<Vec<_>>().join(", ");
                     notes.push(format!(
@@ -76,7 +77,7 @@ impl Vertices {
                 }
             }
         }
-        let alpha = ALPHAS.iter().find_map(|name| element.properties.iter().position(|p| p.name == *name));
+        let alpha = ALPHAS.iter().find_map(|name| place_of(name));
         if let Some(alpha) = alpha {
             places[alpha] = Some(ALPHA);
         }
@@ -92,12 +93,12 @@ impl Vertices {
         let left_out: Vec<_> = element
             .properties
             .iter()
-            .zip(&places)
-            .filter(|(p, place)| place.is_none() && p.name.starts_with("tex"))
+            .zip(places.iter().zip(&is_noted))
+            .filter(|(_, (place, is_noted))| place.is_none() && !**is_noted)
             .map(|(p, _)| p.name.as_str())
             .collect();
         if !left_out.is_empty() {
-            notes.push(format!("properties of vertices left out, of a name not known: {}", left_out.join(", ")));
+            notes.push(format!("properties of vertices left out: {}", left_out.join(", ")));
         }
         let colors = if is_there[COLOR] { Some(color_numbers(&element.properties, &places)?) } else { None };
 
