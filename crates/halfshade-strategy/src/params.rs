@@ -1,6 +1,9 @@
 //! Parameters: what can be set, within which range, and how a SPEC like `sh-exp:exp=hybrid,bands=4` sets it.
 
-use std::{collections::BTreeMap, fmt};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fmt,
+};
 
 /// One parameter of a strategy.
 #[derive(Debug, Clone)]
@@ -90,6 +93,9 @@ pub enum SpecError {
         /// What would do.
         expected: String,
     },
+    /// A key that is set before.
+    #[error("`{0}` is set twice; give it once")]
+    Twice(String),
     /// Not `key=value`.
     #[error("`{0}` is not of the form key=value")]
     NotAPair(String),
@@ -132,6 +138,7 @@ impl Params {
     /// Defaults, changed by `key=value,key=value` (the part of a SPEC after the colon; empty is fine).
     pub fn parse(parameters: &[Parameter], settings: &str) -> Result<Self, SpecError> {
         let mut params = Self::defaults(parameters);
+        let mut set = BTreeSet::new();
         for pair in settings.split(',').map(str::trim).filter(|pair| !pair.is_empty()) {
             let (key, text) = pair.split_once('=').ok_or_else(|| SpecError::NotAPair(pair.to_owned()))?;
             let (key, text) = (key.trim(), text.trim());
@@ -144,6 +151,9 @@ impl Params {
                 value: text.to_owned(),
                 expected: parameter.kind.range(),
             })?;
+            if !set.insert(parameter.name) {
+                return Err(SpecError::Twice(key.to_owned()));
+            }
             params.0.insert(parameter.name, value);
         }
         Ok(params)
@@ -204,6 +214,8 @@ mod tests {
         assert_eq!(error("band=6"), "unknown parameter `band`; known: exp, bands");
         assert_eq!(error("bands=9"), "`bands=9`: expected 1..=8");
         assert_eq!(error("bands"), "`bands` is not of the form key=value");
+        assert_eq!(error("bands=2,exp=series, bands=4"), "`bands` is set twice; give it once");
+        assert_eq!(error("bands=2,bands=2"), "`bands` is set twice; give it once");
         assert_eq!(error("exp=magic"), "`exp=magic`: expected series | hybrid");
     }
 }
