@@ -6,7 +6,7 @@ use crate::{
     HarnessError, Published, ReceiverKind, classes::ClassError, image_metrics::Similarity, metrics::Metrics,
     statistics::Spread, weights::Weighting,
 };
-use halfshade_scene::InputFile;
+use halfshade_scene::{InputFile, text};
 use serde::{Deserialize, Serialize};
 use std::{collections::BTreeMap, path::Path};
 
@@ -250,6 +250,11 @@ impl Run {
         format!("{}/{}/{}/{}:{}", self.scene, self.frame, self.receivers, self.strategy, params.join(","))
     }
 
+    /// What was measured where, for people.
+    pub fn place(&self) -> String {
+        format!("`{}` on {} of scene `{}`, frame {}", self.label, self.receivers, self.scene, self.frame)
+    }
+
     /// The reference, or nothing if it wasn't measured.
     pub fn reference(&self) -> &str {
         self.error.as_ref().map_or("", |error| &error.reference)
@@ -293,6 +298,23 @@ impl Run {
     }
 }
 
+impl Run {
+    /// What can't be so in it: errors of what wasn't measured, or none of what was; sizes and noise below 0.
+    fn contradiction(&self) -> Option<String> {
+        let is_measured = self.status == Status::Ok;
+        if is_measured != self.error.is_some() {
+            let told = if is_measured { "no error is told of" } else { "an error is told of" };
+            let status = if is_measured { "which is `ok`" } else { "which isn't `ok`" };
+            return Some(format!("{told} {}, {status}", self.place()));
+        }
+        let error = self.error.as_ref()?;
+        let of_classes = error.classes.iter().map(|class| &class.metrics);
+        let mut metrics = std::iter::once(&error.metrics).chain(of_classes).flat_map(Metrics::figures);
+        let (name, value) = metrics.find(|(name, value)| *name != "bias" && *value < 0.0)?;
+        Some(format!("{name} of {} is {value}, below 0", self.place()))
+    }
+}
+
 impl TimeFigures {
     /// Figures of `samples`.
     pub fn of(bake_secs: f64, threads: usize, samples: Vec<Sample>) -> Self {
@@ -320,7 +342,7 @@ impl Results {
     /// Reads a `results.json`, or the one in a folder.
     pub fn load(path: &Path) -> Result<Self, HarnessError> {
         let path = if path.is_dir() { path.join("results.json") } else { path.to_owned() };
-        let text = std::fs::read_to_string(&path).map_err(|source| HarnessError::io(&path, "read", source))?;
+        let text = text::read(&path)?;
         let results: Self = serde_json::from_str(&text).map_err(|error| {
             let problem = format!("not results of Halfshade, or damaged: {error}; run the experiment again");
             HarnessError::at_line(&path, error.line().max(1), problem)
@@ -333,6 +355,9 @@ impl Results {
         if let Some(place) = results.not_finite() {
             let problem = format!("damaged: {place} is not finite; run the experiment again");
             return Err(HarnessError::in_file(&path, problem));
+        }
+        if let Some(what) = results.runs.iter().find_map(Run::contradiction) {
+            return Err(HarnessError::in_file(&path, format!("damaged: {what}; run the experiment again")));
         }
         Ok(results)
     }
@@ -521,6 +546,41 @@ pub(crate) mod tests {
     }
 
     #[test]
+    fn what_contradicts_itself_is_refused_by_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("results.json");
+        let refused = |change: &dyn Fn(&mut Run)| {
+            let mut results = example();
+            change(&mut results.runs[1]);
+            std::fs::write(&path, results.to_json().unwrap()).unwrap();
+            Results::load(&path).unwrap_err().to_string()
+        };
+        let metrics = |change: fn(&mut Metrics)| refused(&|run| change(&mut run.error.as_mut().unwrap().metrics));
+        let noise = metrics(|m| m.rmse_noise = -1.0);
+        assert!(
+            noise.contains("rmse_noise of `exact` on vertices of scene `vases`, frame 0 is -1, below 0"),
+            "{noise}"
+        );
+        assert!(metrics(|m| m.max_noise = Some(-1e-9)).contains("max_noise"));
+        assert!(metrics(|m| m.p95 = -1.0).contains("p95 of"));
+        assert!(refused(&|run| run.error = None).contains("no error is told of `exact`"));
+        assert!(refused(&|run| run.status = Status::Failed).contains("which isn't `ok`"));
+    }
+
+    #[test]
+    fn a_mark_is_no_text_and_other_encodings_are_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("results.json");
+        let text = example().to_json().unwrap();
+        std::fs::write(&path, [text::MARK, text.as_bytes()].concat()).unwrap();
+        assert_eq!(Results::load(&path).unwrap(), example());
+        let wide: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
+        std::fs::write(&path, wide).unwrap();
+        let error = Results::load(&path).unwrap_err().to_string();
+        assert!(error.contains("results.json") && error.contains("UTF-16") && error.contains("save it as UTF-8"));
+    }
+
+    #[test]
     fn results_of_older_versions_are_read() {
         let mut json: serde_json::Value = serde_json::from_str(&example().to_json().unwrap()).unwrap();
         for run in json["runs"].as_array_mut().unwrap() {
@@ -547,6 +607,6 @@ pub(crate) mod tests {
         std::fs::write(&path, whole.replace(SCHEMA, "halfshade.results/9")).unwrap();
         let error = Results::load(&path).unwrap_err().to_string();
         assert!(error.contains("halfshade.results/9") && error.contains(SCHEMA), "{error}");
-        assert!(Results::load(&folder.path().join("none.json")).unwrap_err().to_string().contains("cannot read"));
+        assert!(Results::load(&folder.path().join("none.json")).unwrap_err().to_string().contains("cannot be read"));
     }
 }

@@ -38,6 +38,30 @@ pub fn percentile(sorted: &[f64], fraction: f64) -> Option<f64> {
     sorted.get(rank.max(1) - 1).or(sorted.last()).copied()
 }
 
+/// The t that Student's distribution with 15 degrees of freedom exceeds with a `probability` of at most one half.
+///
+/// `P(|T| < t) = (2/π) (θ + sin θ cos θ Σ_{j<7} c_j cos^{2j} θ)`, θ = atan(t/√15), c_j = c_{j-1} · 2j/(2j + 1), c_0 = 1, by
+/// bisection.
+pub fn student_quantile(probability: f64) -> f64 {
+    const DEGREES: f64 = 15.0;
+    let exceeds = |t: f64| {
+        let theta = (t / DEGREES.sqrt()).atan();
+        let (sin, cos) = theta.sin_cos();
+        let (mut term, mut sum) = (1.0, 0.0);
+        for j in 0..7 {
+            sum += term;
+            term *= cos * cos * f64::from(2 * j + 2) / f64::from(2 * j + 3);
+        }
+        0.5 - (theta + sin * cos * sum) / std::f64::consts::PI
+    };
+    let (mut low, mut high) = (0.0, 100.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if exceeds(middle) > probability { low = middle } else { high = middle }
+    }
+    high
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -64,5 +88,13 @@ mod tests {
         assert_eq!(percentile(&values, 1.0), Some(200.0));
         assert_eq!(percentile(&[3.0], 0.95), Some(3.0));
         assert_eq!(percentile(&[], 0.95), None);
+    }
+
+    #[test]
+    fn quantiles_of_students_distribution() {
+        // From tables: 15 degrees of freedom.
+        for (probability, expected) in [(0.25, 0.6912), (0.05, 1.7531), (0.005, 2.9467), (0.0005, 4.0728)] {
+            assert!((student_quantile(probability) - expected).abs() < 1e-4, "{probability}");
+        }
     }
 }

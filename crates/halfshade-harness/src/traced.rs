@@ -7,7 +7,7 @@ use halfshade_scene::{
     light::{EnvironmentMap, Sun},
     progress::Silent,
 };
-use halfshade_truth::{Options, Tracer, Transport, estimate};
+use halfshade_truth::{Hider, Options, Tracer, Transport, estimate, hiders};
 use std::sync::Arc;
 
 /// Every so many vertices of a scene are receivers.
@@ -19,6 +19,7 @@ pub(crate) struct Traced {
     scene: Scene,
     receivers: ReceiverBuffer,
     weights: Arc<ReceiverWeights>,
+    hiders: Arc<[Hider]>,
     /// The truth from many samples.
     pub(crate) exact: RadianceBuffer,
     /// The same without shadows.
@@ -61,8 +62,9 @@ impl Traced {
             estimate(&Tracer::new(&frame), receivers.view(), &options, &Silent).radiance
         };
         let (exact, unshadowed) = (trace(Transport::Shadowed), trace(Transport::Unshadowed));
+        let hiders = hiders(&Tracer::new(&frame), receivers.view(), &Silent).into();
         drop(frame);
-        Self { name, receivers, weights, exact, unshadowed, scene }
+        Self { name, hiders, receivers, weights, exact, unshadowed, scene }
     }
 
     /// The truth as 64 samples and a seed show it.
@@ -74,6 +76,7 @@ impl Traced {
         Reference {
             standard_error: found.standard_error,
             draws: found.draws,
+            hiders: self.hiders.clone(),
             ..Reference::exact(
                 found.radiance,
                 self.weights.mean(|i| f64::from(found.unshadowed[i])),

@@ -52,9 +52,7 @@ impl References {
             (ReceiverKind::Vertices, Weighting::Area) => ReceiverWeights::by_area(frame, receivers),
             _ => ReceiverWeights::equal(receivers.len()),
         });
-        // Who only compares with a baseline shows no classes.
-        let by_class = setup.plan.classes && setup.is_kept;
-        let hiders: Arc<[Hider]> = match by_class {
+        let hiders: Arc<[Hider]> = match setup.plan.classes {
             true => hiders(&Tracer::new(frame), receivers.view(), setup.tools.progress).into(),
             false => Arc::default(),
         };

@@ -9,7 +9,7 @@ pub(super) struct Setup<'a> {
     pub(super) plan: &'a Plan,
     pub(super) threads: usize,
     pub(super) truth_cache: Cache,
-    /// Whether anything is written; if not, nothing is timed or pictured, nor told by class.
+    /// Whether anything is written; if not, nothing is timed or pictured.
     pub(super) is_kept: bool,
 }
 

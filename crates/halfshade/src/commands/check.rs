@@ -2,7 +2,12 @@
 
 use super::context::Context;
 use crate::{cli::CheckArguments, failure::Failure, terminal};
-use halfshade_harness::{Experiment, Results, check::compare, report::Format, run::RunOptions};
+use halfshade_harness::{
+    Experiment, HarnessError, Results,
+    check::{check_baseline, compare},
+    report::Format,
+    run::RunOptions,
+};
 use halfshade_scene::Progress;
 use std::process::ExitCode;
 
@@ -17,6 +22,8 @@ pub(super) fn check(context: &Context, arguments: &CheckArguments) -> Result<Exi
             experiment.name
         )));
     }
+    let of_baseline = |error: HarnessError| Failure::Error(format!("{}: {error}", arguments.baseline.display()));
+    check_baseline(&baseline).map_err(of_baseline)?;
     // Errors compare only if receivers count as they did for the baseline.
     if let Some(weights) = baseline.vertex_weights().filter(|weights| *weights != experiment.weights) {
         let asked = experiment.weights;
@@ -38,7 +45,7 @@ pub(super) fn check(context: &Context, arguments: &CheckArguments) -> Result<Exi
     if baseline.inputs.is_none() && results.inputs.as_ref().is_some_and(|inputs| !inputs.is_empty()) {
         context.bars.note("the baseline doesn't tell what its scenes were read from: they may have changed since");
     }
-    let comparison = compare(&results, &baseline)?;
+    let comparison = compare(&results, &baseline).map_err(of_baseline)?;
     if !comparison.moved.rows.is_empty() {
         terminal::data(&comparison.moved.write(Format::Markdown, ""))?;
     }
