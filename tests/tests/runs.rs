@@ -182,7 +182,19 @@ fn what_was_in_the_folder_before_is_there_afterwards() {
     use std::os::unix::fs::symlink;
     let here = prepared();
     let out = here.path().join("out/small");
-    for file in ["truth/precious.txt", "pictures/mine.png", "plots/mine.svg", "notes.md", "journal.jsonl", "deep/a/b"] {
+    for file in [
+        "truth/precious.txt",
+        "pictures/mine.png",
+        "plots/mine.svg",
+        "notes.md",
+        "journal.jsonl",
+        "deep/a/b",
+        ".halfshade/.halfshade-notes",
+        ".halfshade/unfinished-notes",
+        ".halfshade/journal.old",
+        ".halfshade/truth/notes.bin",
+        ".halfshade/truth/unfinished-notes",
+    ] {
         write(&out, file, "precious");
     }
     write(here.path(), "elsewhere/truth-0.bin", "precious");
@@ -324,6 +336,28 @@ fn a_changed_input_is_named_and_nothing_is_mixed() {
     let notes = String::from_utf8(again.stderr).unwrap();
     assert!(notes.contains("this run is finished"), "{notes}");
     assert_eq!(fs::read(here.path().join("out/small/results.json")).unwrap(), finished);
+    // What has gone since is written again as it was, pictures aside: those need shading.
+    let out = here.path().join("out/small");
+    let before = tree(&out);
+    for name in ["report.md", "results.csv"] {
+        fs::remove_file(out.join(name)).unwrap();
+    }
+    fs::remove_dir_all(out.join("plots")).unwrap();
+    let resumed = || {
+        let output =
+            halfshade(here.path()).args(["run", "small.toml", "--resume"]).assert().success().get_output().clone();
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let notes = resumed();
+    assert!(notes.contains("written again from its results: results.csv, report.md, 4 in plots"), "{notes}");
+    let is_kept = |(path, _): &(PathBuf, Option<Vec<u8>>)| !path.ends_with(".halfshade/written");
+    let after: BTreeMap<_, _> = tree(&out).into_iter().filter(is_kept).collect();
+    assert_eq!(after, before.into_iter().filter(is_kept).collect());
+    fs::remove_dir_all(out.join("pictures")).unwrap();
+    fs::remove_file(out.join("report.md")).unwrap();
+    let notes = resumed();
+    assert!(notes.contains("in pictures; pictures are drawn again by a run without --resume only"), "{notes}");
+    assert!(!fs::read_to_string(out.join("report.md")).unwrap().contains("](pictures/"));
     write(here.path(), "baseline.json", &finished);
     let check = ["check", "small.toml", "--baseline", "baseline.json"];
     assert!(stdout(halfshade(here.path()).args(check)).contains("0 failed"));

@@ -11,7 +11,7 @@ use crate::{
     inputs,
     results::{PictureFiles, Run, Sample},
 };
-use halfshade_scene::InputFile;
+use halfshade_scene::{InputFile, text};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use std::{
     fs::{File, OpenOptions},
@@ -145,12 +145,21 @@ impl Chain {
 }
 
 impl Journal {
-    /// Starts a new journal at `path`. One that is already there is set aside as `journal.old`.
+    /// Sets the journal at `path` aside, under a name that nothing has: `journal.old`, `journal.2.old`, ..
+    pub fn set_aside(path: &Path) -> Result<PathBuf, HarnessError> {
+        let mut old = path.with_extension("old");
+        let mut number = 2;
+        while std::fs::symlink_metadata(&old).is_ok() {
+            old = path.with_extension(format!("{number}.old"));
+            number += 1;
+        }
+        std::fs::rename(path, &old).map_err(|source| HarnessError::io(path, "rename", source))?;
+        Ok(old)
+    }
+
+    /// Starts a new journal at `path`, where nothing may be.
     pub fn create(path: &Path, header: &Header) -> Result<Self, HarnessError> {
         let fail = |source| HarnessError::io(path, "write", source);
-        if path.exists() {
-            std::fs::rename(path, path.with_extension("old")).map_err(fail)?;
-        }
         let file = OpenOptions::new().create_new(true).append(true).open(path).map_err(fail)?;
         let mut journal = Self { path: path.to_owned(), file, length: 0, chain: Chain::default() };
         journal.append_line(header)?;
@@ -161,8 +170,10 @@ impl Journal {
     pub fn resume(path: &Path, header: &Header) -> Result<Option<(Self, Vec<Entry>)>, HarnessError> {
         let bytes = std::fs::read(path).map_err(|source| HarnessError::io(path, "read", source))?;
         let whole = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |last| last + 1);
-        let text = std::str::from_utf8(&bytes[..whole])
-            .map_err(|_| HarnessError::in_file(path, "damaged: not text; delete it to start again"))?;
+        let text = text::decode(&bytes[..whole]).map_err(|error| {
+            let problem = format!("damaged: {}; run without --resume to start again", error.problem);
+            HarnessError::at_line(path, error.line.unwrap_or(1), problem)
+        })?;
         let damaged = |line: usize, problem: String| {
             let problem = format!("damaged: {problem}; run without --resume to start again");
             HarnessError::at_line(path, line + 1, problem)
@@ -319,8 +330,15 @@ mod tests {
             assert!(error.contains(what) && error.contains("without --resume"), "{what}: {error}");
         }
         assert!(Journal::resume(&path, &Header { program: String::new(), ..header() }).is_ok());
-        Journal::create(&path, &header()).unwrap();
-        assert!(folder.path().join("journal.old").exists());
+        assert!(Journal::create(&path, &header()).is_err());
+        std::fs::write(folder.path().join("journal.2.old"), "precious").unwrap();
+        for name in ["journal.old", "journal.3.old"] {
+            let before = std::fs::read(&path).unwrap();
+            assert_eq!(Journal::set_aside(&path).unwrap(), folder.path().join(name));
+            assert_eq!(std::fs::read(folder.path().join(name)).unwrap(), before);
+            Journal::create(&path, &header()).unwrap();
+        }
+        assert_eq!(std::fs::read(folder.path().join("journal.2.old")).unwrap(), b"precious");
         // The first line of an older layout.
         std::fs::write(&path, "{\"schema\":\"halfshade.journal/1\"}\n").unwrap();
         assert!(resume(&path).unwrap_err().contains("another version"));

@@ -2,13 +2,14 @@
 //!
 //! Nothing is replaced there but what earlier runs wrote and nobody has changed since: a list of all that was written,
 //! by content, tells. What a run keeps for itself lies in the folder [`PRIVATE`] below it: that list, the journal, the
-//! truths of an unfinished run, and a lock, which the system takes back even from a run that was killed.
+//! truths of an unfinished run, and a lock, which the system takes back even from a run that was killed. None of these may
+//! be a link. There too only that is removed which its name and the list or its first bytes tell to be a run's own.
 
 use crate::{
     HarnessError,
-    output::{TEMPORARY, prepare_folder, temporary, write_atomically},
+    output::{prepare_folder, temporary_called, write_atomically},
 };
-use halfshade_scene::{Cache, cache};
+use halfshade_scene::{Cache, cache, text};
 use serde::{Deserialize, Serialize};
 use std::{
     collections::HashMap,
@@ -20,8 +21,14 @@ use std::{
 /// What a run keeps for itself, below its folder.
 pub const PRIVATE: &str = ".halfshade";
 
+/// What a file is called in the private folder until it is whole: this and the hash of its content, which is listed.
+const UNFINISHED: &str = "unfinished-";
+
 /// The first line of the list of what was written.
 const SCHEMA: &str = "halfshade.written/1";
+
+/// What to do about something that is in the way.
+const ELSEWHERE: &str = "move it away, or choose another folder with --out";
 
 /// A folder that no other run writes into.
 #[derive(Debug)]
@@ -60,16 +67,8 @@ impl OutFolder {
     /// planned file.
     pub fn open(path: &Path, planned: &[PathBuf]) -> Result<Self, HarnessError> {
         let private = path.join(PRIVATE);
-        match fs::symlink_metadata(&private) {
-            Ok(metadata) if metadata.is_dir() => {}
-            Ok(_) => {
-                let problem = "a run keeps its journal in a folder of this name, and this is none; move it away, or \
-                               choose another folder with --out";
-                return Err(HarnessError::in_file(&private, problem));
-            }
-            Err(error) if is_absent(&error) => {}
-            Err(source) => return Err(HarnessError::io(&private, "read", source)),
-        }
+        check_folder(path)?;
+        check_private(&private)?;
         let known_lock = if private.join("lock").exists() { Some(lock(path)?) } else { None };
         let list = private.join("written");
         let written = Written::load(&list)?;
@@ -82,25 +81,25 @@ impl OutFolder {
         if let Some(first) = foreign.first() {
             let more = if foreign.len() > 1 { format!(" (and {} more)", foreign.len() - 1) } else { String::new() };
             let problem = format!(
-                "this is in the way{more}: no run into this folder wrote it, or it was changed since; move it away, or \
-                 choose another folder with --out"
+                "this is in the way{more}: no run into this folder wrote it, or it was changed since; {ELSEWHERE}"
             );
             return Err(HarnessError::in_file(first, problem));
         }
-        // What a killed run leaves of this is found again, and nobody else's.
         prepare_folder(&private)?;
         let lock = known_lock.map_or_else(|| lock(path), Ok)?;
-        if !list.exists() {
-            write_atomically(&list, format!("{SCHEMA}\n").as_bytes())?;
-        }
-        let opened = OpenOptions::new().append(true).open(&list).and_then(|mut file| {
-            // Ends a line that was cut off when a run was killed.
+        let opened = OpenOptions::new().create(true).append(true).open(&list).and_then(|mut file| {
+            let is_new = file.metadata()?.len() == 0;
+            // The second ends a line that was cut off when a run was killed.
+            file.write_all(if is_new { SCHEMA.as_bytes() } else { b"" })?;
             file.write_all(b"\n")?;
             Ok(file)
         });
         let list = opened.map_err(|source| HarnessError::io(&list, "write", source))?;
         let folder = Self { path: path.to_owned(), written, list, _lock: lock };
-        folder.remove_own(&folder.private(), |name| name.starts_with(TEMPORARY));
+        folder.remove_own(&private, |path| {
+            let name = path.file_name().and_then(|name| name.to_str());
+            name.and_then(|name| name.strip_prefix(UNFINISHED)).is_some_and(|hash| folder.written.knows(hash))
+        });
         Ok(folder)
     }
 
@@ -127,17 +126,16 @@ impl OutFolder {
     pub fn remove_truths(&self) {
         let folder = self.private().join("truth");
         if fs::symlink_metadata(&folder).is_ok_and(|metadata| metadata.is_dir()) {
-            self.remove_own(&folder, cache::is_entry_name);
+            self.remove_own(&folder, cache::is_entry);
             // What isn't empty stays, and isn't ours.
             let _ = fs::remove_dir(&folder);
         }
     }
 
-    /// Removes the plain files in `folder` whose names say that they are ours. What can't be removed only wastes space.
-    fn remove_own(&self, folder: &Path, is_own: impl Fn(&str) -> bool) {
+    /// Removes the plain files in `folder` that are ours. What can't be removed only wastes space.
+    fn remove_own(&self, folder: &Path, is_own: impl Fn(&Path) -> bool) {
         for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-            let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
-            if is_file && entry.file_name().to_str().is_some_and(&is_own) {
+            if entry.file_type().is_ok_and(|kind| kind.is_file()) && is_own(&entry.path()) {
                 let _ = fs::remove_file(entry.path());
             }
         }
@@ -174,20 +172,53 @@ impl OutFolder {
             .map_err(|source| HarnessError::io(&self.private().join("written"), "write", source))?;
         // A link stays, and what it leads to is written.
         let target = fs::canonicalize(&path).unwrap_or_else(|_| path.clone());
-        let beside = target.parent().unwrap_or(&self.path).to_owned();
-        let write_in = |folder: &Path| -> std::io::Result<()> {
-            let mut file = temporary(folder)?;
+        let write = || -> std::io::Result<()> {
+            let mut file = temporary_called(&format!("{UNFINISHED}{}", line.blake3), &self.private())?;
             file.write_all(bytes)?;
             file.as_file().sync_all()?;
             file.persist(&target).map_err(|error| error.error)?;
             Ok(())
         };
-        match write_in(&self.private()) {
+        match write() {
             // A folder below may lie on another disk.
-            Err(error) if error.kind() == ErrorKind::CrossesDevices => write_in(&beside).map_err(fail),
+            Err(error) if error.kind() == ErrorKind::CrossesDevices => write_atomically(&target, bytes),
             result => result.map_err(fail),
         }
     }
+}
+
+/// Refuses a place where no folder is or can be made.
+fn check_folder(path: &Path) -> Result<(), HarnessError> {
+    for place in path.ancestors() {
+        let problem = match (fs::symlink_metadata(place), fs::metadata(place)) {
+            (Ok(_), Ok(metadata)) if metadata.is_dir() => return Ok(()),
+            (Ok(metadata), Err(_)) if metadata.is_symlink() => "this is a link that leads to no folder",
+            (Ok(_), _) => "a folder is needed here, and this is none",
+            (Err(error), _) if is_absent(&error) => continue,
+            (Err(source), _) => return Err(HarnessError::io(place, "read", source)),
+        };
+        return Err(HarnessError::in_file(place, format!("{problem}; {ELSEWHERE}")));
+    }
+    Ok(())
+}
+
+/// Refuses a private folder that is none, and what is in the place of something that a run keeps there. Links are not
+/// followed: what they lead to isn't a run's own.
+fn check_private(private: &Path) -> Result<(), HarnessError> {
+    let [lock, list, journal, truths] = ["lock", "written", "journal.jsonl", "truth"].map(|name| private.join(name));
+    for (path, is_folder) in [(private, true), (&lock, false), (&list, false), (&journal, false), (&truths, true)] {
+        match fs::symlink_metadata(path) {
+            Ok(metadata) if if is_folder { metadata.is_dir() } else { metadata.is_file() } => {}
+            Ok(_) => {
+                let kind = if is_folder { "folder" } else { "file" };
+                let problem = format!("a run keeps a {kind} of this name for itself, and this is none; {ELSEWHERE}");
+                return Err(HarnessError::in_file(path, problem));
+            }
+            Err(error) if is_absent(&error) => {}
+            Err(source) => return Err(HarnessError::io(path, "read", source)),
+        }
+    }
+    Ok(())
 }
 
 /// Takes the lock of the folder at `path`, if no other run has it.
@@ -219,11 +250,15 @@ fn name(file: &Path) -> String {
 
 impl Written {
     fn load(path: &Path) -> Result<Self, HarnessError> {
-        let text = match fs::read_to_string(path) {
-            Ok(text) => text,
+        let bytes = match fs::read(path) {
+            Ok(bytes) => bytes,
             Err(error) if is_absent(&error) => return Ok(Self::default()),
             Err(source) => return Err(HarnessError::io(path, "read", source)),
         };
+        if bytes.is_empty() {
+            return Ok(Self::default());
+        }
+        let text = text::decode(&bytes).map_err(|error| error.in_file(path))?;
         let mut lines = text.lines();
         if lines.next() != Some(SCHEMA) {
             let problem = "not the list of files that this version writes; move it away: what earlier runs wrote is then \
@@ -234,6 +269,11 @@ impl Written {
         // A line that was damaged or cut off only makes a file look like somebody else's.
         lines.filter_map(|line| serde_json::from_str(line).ok()).for_each(|line: Line| written.note(&line));
         Ok(written)
+    }
+
+    /// Whether a file was given content with this hash.
+    fn knows(&self, blake3: &str) -> bool {
+        self.0.values().flatten().any(|known| known == blake3)
     }
 
     fn note(&mut self, line: &Line) {
@@ -252,7 +292,7 @@ impl Written {
             match (fs::symlink_metadata(&above), fs::metadata(&above)) {
                 (Ok(_), Ok(metadata)) if metadata.is_dir() => {}
                 (Ok(_), _) => {
-                    let problem = "a folder is needed here, and this is none; move it away, or choose another --out";
+                    let problem = format!("a folder is needed here, and this is none; {ELSEWHERE}");
                     return Err(HarnessError::in_file(&above, problem));
                 }
                 (Err(error), _) if is_absent(&error) => {}
@@ -355,6 +395,71 @@ mod tests {
         assert!(elsewhere.join(&entry).exists() && elsewhere.join("precious").exists());
     }
 
+    #[cfg(unix)]
+    #[test]
+    fn what_stands_for_something_of_a_run_is_named_and_left() {
+        use std::os::unix::fs::symlink;
+        let here = tempfile::tempdir().unwrap();
+        let elsewhere = here.path().join("elsewhere");
+        fs::create_dir(&elsewhere).unwrap();
+        for (number, name) in ["", "lock", "written", "journal.jsonl", "truth"].into_iter().enumerate() {
+            for (kind, target) in [("linked", elsewhere.as_path()), ("dangling", Path::new("nowhere"))] {
+                let out = here.path().join(format!("{kind}{number}"));
+                let place = if name.is_empty() { out.join(PRIVATE) } else { out.join(PRIVATE).join(name) };
+                fs::create_dir_all(place.parent().unwrap()).unwrap();
+                symlink(target, &place).unwrap();
+                let error = open(&out).unwrap_err();
+                assert!(error.contains(&format!("{}: a run keeps a", place.display())), "{error}");
+                assert!(error.ends_with(ELSEWHERE) && place.is_symlink(), "{error}");
+                assert_eq!(fs::read_dir(&out).unwrap().count(), 1);
+            }
+        }
+        assert_eq!(fs::read_dir(&elsewhere).unwrap().count(), 0);
+        let out = here.path().join("out");
+        fs::create_dir_all(out.join(PRIVATE).join("lock")).unwrap();
+        assert!(open(&out).unwrap_err().contains("lock: a run keeps a file of this name"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn where_no_folder_can_be_made_is_named() {
+        let here = tempfile::tempdir().unwrap();
+        let [file, link] = ["file", "link"].map(|name| here.path().join(name));
+        fs::write(&file, "precious").unwrap();
+        std::os::unix::fs::symlink("nowhere", &link).unwrap();
+        for (out, place, problem) in [
+            (&file, &file, "a folder is needed here, and this is none"),
+            (&file.join("a/b"), &file, "a folder is needed here, and this is none"),
+            (&link, &link, "this is a link that leads to no folder"),
+            (&link.join("a"), &link, "this is a link that leads to no folder"),
+        ] {
+            assert_eq!(open(out).unwrap_err(), format!("{}: {problem}; {ELSEWHERE}", place.display()));
+        }
+        assert_eq!(fs::read_dir(here.path()).unwrap().count(), 2);
+    }
+
+    #[test]
+    fn of_unfinished_files_only_those_of_a_run_are_removed() {
+        let here = tempfile::tempdir().unwrap();
+        let mut folder = open(here.path()).unwrap();
+        folder.write(Path::new("results.json"), b"1").unwrap();
+        drop(folder);
+        let private = here.path().join(PRIVATE);
+        let own = private.join(format!("{UNFINISHED}{}", blake3::hash(b"1").to_hex()));
+        let others = [
+            ".halfshade-notes".to_owned(),
+            format!("{UNFINISHED}notes"),
+            format!("{UNFINISHED}{}", blake3::hash(b"2").to_hex()),
+            "journal.old".to_owned(),
+        ];
+        others.iter().for_each(|name| fs::write(private.join(name), "precious").unwrap());
+        fs::write(&own, "cut off").unwrap();
+        let mut folder = open(here.path()).unwrap();
+        assert!(!own.exists());
+        folder.write(Path::new("results.json"), b"1").unwrap();
+        assert_eq!(fs::read_dir(&private).unwrap().count(), 2 + others.len());
+    }
+
     #[test]
     fn one_run_at_a_time_and_a_lock_ends_with_its_run() {
         let here = tempfile::tempdir().unwrap();
@@ -373,10 +478,11 @@ mod tests {
         folder.truths().get_or_compute(&key, |_| true, || Ok(7u32)).unwrap();
         let truths = here.path().join(PRIVATE).join("truth");
         assert_eq!(fs::read_dir(&truths).unwrap().count(), 1);
-        fs::write(truths.join("notes.txt"), "precious").unwrap();
+        let others = ["notes.txt".to_owned(), "unfinished-notes".to_owned(), format!("notes-{}.bin", "0".repeat(64))];
+        others.iter().for_each(|name| fs::write(truths.join(name), "precious").unwrap());
         folder.remove_truths();
-        assert_eq!(fs::read_dir(&truths).unwrap().count(), 1);
-        fs::remove_file(truths.join("notes.txt")).unwrap();
+        assert_eq!(fs::read_dir(&truths).unwrap().count(), others.len());
+        others.iter().for_each(|name| fs::remove_file(truths.join(name)).unwrap());
         folder.remove_truths();
         assert!(!truths.exists());
     }

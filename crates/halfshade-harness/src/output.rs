@@ -3,9 +3,10 @@
 use crate::HarnessError;
 use halfshade_scene::InputFile;
 use std::{fs, io::Write, path::Path};
+use tempfile::{Builder, NamedTempFile};
 
 /// What temporary files begin with.
-pub(crate) const TEMPORARY: &str = ".halfshade-";
+const TEMPORARY: &str = ".halfshade-";
 
 /// Writes `bytes` to `path`: to a temporary file beside it, flushed to the disk, then renamed. On any error the old
 /// file, if there was one, is untouched. A link stays, and what it leads to is written. What exists and is no plain file
@@ -27,9 +28,16 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), HarnessError> {
 }
 
 /// A file in `folder` that goes away unless it is renamed, open to whom files made there are open to.
-pub(crate) fn temporary(folder: &Path) -> std::io::Result<tempfile::NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(TEMPORARY);
+fn temporary(folder: &Path) -> std::io::Result<NamedTempFile> {
+    open_to_others(Builder::new().prefix(TEMPORARY), folder)
+}
+
+/// The same under a name that no file has yet.
+pub(crate) fn temporary_called(name: &str, folder: &Path) -> std::io::Result<NamedTempFile> {
+    open_to_others(Builder::new().prefix(name).rand_bytes(0), folder)
+}
+
+fn open_to_others(builder: &mut Builder<'_, '_>, folder: &Path) -> std::io::Result<NamedTempFile> {
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
@@ -43,14 +51,15 @@ fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Makes `folder` and proves that files can be written there, before hours of work are spent.
+/// Makes `folder` and proves that files can be written there, before hours of work are spent. The proof has no name, so
+/// that nothing of it stays.
 pub fn prepare_folder(folder: &Path) -> Result<(), HarnessError> {
     fs::create_dir_all(folder).map_err(|source| HarnessError::io(folder, "create this folder", source))?;
     let probe = || -> std::io::Result<()> {
-        let mut file = temporary(folder)?;
+        let mut file = tempfile::tempfile_in(folder)?;
         // A full disk shows itself only when blocks are really allocated.
         file.write_all(&[0x5a; 1 << 16])?;
-        file.as_file().sync_all()
+        file.sync_all()
     };
     probe().map_err(|source| HarnessError::io(folder, "write into this folder", source))
 }

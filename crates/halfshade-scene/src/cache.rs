@@ -8,15 +8,15 @@
 
 use crate::SceneError;
 use serde::{Serialize, de::DeserializeOwned};
-use std::io::Write;
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 /// First bytes of every entry; the digit is the version of the layout.
 const MARK: &[u8; 8] = b"HSCACHE1";
 const HASH_BYTES: usize = 32;
 
-/// What temporary files of a cache begin with.
-const TEMPORARY: &str = "unfinished-";
+/// What stands between the name of an entry and some random letters while it is written.
+const UNFINISHED: &str = ".unfinished-";
 
 /// The environment variable that moves the cache.
 pub const FOLDER_VARIABLE: &str = "HALFSHADE_CACHE";
@@ -142,11 +142,23 @@ impl Cache {
     }
 }
 
-/// Whether a file of this name is an entry of a cache, or what is left of one that was never finished.
-pub fn is_entry_name(name: &str) -> bool {
+/// Whether the file at `path` is an entry of a cache, by its name and its first bytes, or what is left of one that was never
+/// finished, by its name.
+pub fn is_entry(path: &Path) -> bool {
+    let Some(name) = path.file_name().and_then(|name| name.to_str()) else { return false };
+    let has_mark = || {
+        let mut start = [0; MARK.len()];
+        std::fs::File::open(path).and_then(|mut file| file.read_exact(&mut start)).is_ok() && start == *MARK
+    };
+    match name.split_once(UNFINISHED) {
+        Some((whole, _)) => is_entry_name(whole),
+        None => is_entry_name(name) && has_mark(),
+    }
+}
+
+fn is_entry_name(name: &str) -> bool {
     let key = name.strip_suffix(".bin").and_then(|stem| stem.rsplit_once('-')).map(|(_, key)| key);
-    let is_key = key.is_some_and(|key| key.len() == 2 * HASH_BYTES && key.chars().all(|c| c.is_ascii_hexdigit()));
-    is_key || name.starts_with(TEMPORARY)
+    key.is_some_and(|key| key.len() == 2 * HASH_BYTES && key.chars().all(|c| c.is_ascii_hexdigit()))
 }
 
 fn encode(data: &impl Serialize) -> Result<Vec<u8>, String> {
@@ -170,7 +182,8 @@ fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, String> {
 fn write_whole(folder: &Path, path: &Path, bytes: &[u8]) -> Result<(), String> {
     let write = || -> std::io::Result<()> {
         std::fs::create_dir_all(folder)?;
-        let mut file = tempfile::Builder::new().prefix(TEMPORARY).tempfile_in(folder)?;
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let mut file = tempfile::Builder::new().prefix(&format!("{name}{UNFINISHED}")).tempfile_in(folder)?;
         file.write_all(bytes)?;
         file.persist(path)?;
         Ok(())
@@ -269,6 +282,9 @@ mod tests {
         );
         assert_ne!(name(CacheKey::new("k", 1)), name(CacheKey::new("k", 2)));
         assert!(is_entry_name(&name(CacheKey::new("two-words", 1))) && !is_entry_name("truth-0.bin"));
+        // What is left of one is told by the whole name.
+        assert!(is_entry(Path::new(&(name(CacheKey::new("k", 1)) + ".unfinished-a1B2c3"))));
+        assert!(!is_entry(Path::new("unfinished-notes")) && !is_entry(Path::new("notes.bin.unfinished-a1B2c3")));
         assert_ne!(name(CacheKey::new("k", 1).value(&0.0f32)), name(CacheKey::new("k", 1).value(&-0.0f32)));
     }
 }

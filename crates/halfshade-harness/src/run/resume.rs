@@ -1,10 +1,11 @@
-//! Where a run begins: with nothing, with what a journal holds, or at its end.
+//! Where a run begins: with nothing, with what a journal holds, or at its end, where only what has gone since is written again.
 
 use super::record::{Known, Record};
 use crate::{
     HarnessError, Results,
     journal::{Header, Journal, SCHEMA},
     out_folder::OutFolder,
+    report,
 };
 use halfshade_scene::Progress;
 use std::path::{Path, PathBuf};
@@ -26,7 +27,7 @@ impl Beginning {
         resume: bool,
         progress: &dyn Progress,
     ) -> Result<Self, HarnessError> {
-        let folder = OutFolder::open(out, planned)?;
+        let mut folder = OutFolder::open(out, planned)?;
         let path = folder.journal();
         if resume
             && path.exists()
@@ -44,26 +45,56 @@ impl Beginning {
                 );
                 return Err(HarnessError::in_file(&path, problem));
             }
-            progress.note(&format!("{}: this run is finished, there is nothing to resume", out.display()));
+            let name = out.display();
+            match named(&restore(&mut folder, &results)?) {
+                None => progress.note(&format!("{name}: this run is finished, there is nothing to resume")),
+                Some(what) => {
+                    progress.note(&format!("{name}: this run is finished; written again from its results: {what}"))
+                }
+            }
+            if let Some(what) = named(&missing_pictures(&folder, &results)) {
+                progress
+                    .note(&format!("{name}: gone is {what}; pictures are drawn again by a run without --resume only"));
+            }
             folder.remove_truths();
             return Ok(Self::Finished(Box::new(results)));
         }
         if resume {
             progress.note("nothing to resume: starting from the beginning");
-        } else {
-            if path.exists() {
-                progress.note(&format!(
-                    "{}: an unfinished run is set aside as journal.old; --resume would have gone on with it",
-                    path.display()
-                ));
-            }
-            if let Some(what) = named(&folder.replaced(planned)) {
-                progress.note(&format!("{}: of an earlier run this one replaces {what}", out.display()));
-            }
+        }
+        if path.exists() {
+            let old = Journal::set_aside(&path)?;
+            // Without its first line there was nothing to go on with.
+            let hint = if resume { "" } else { "; --resume would have gone on with it" };
+            progress.note(&format!("{}: the journal of an unfinished run is now here{hint}", old.display()));
+        }
+        if !resume && let Some(what) = named(&folder.replaced(planned)) {
+            progress.note(&format!("{}: of an earlier run this one replaces {what}", out.display()));
         }
         let journal = Journal::create(&path, header)?;
         Ok(Self::Open(Box::new(Record::kept(folder, journal, Known::default()))))
     }
+}
+
+/// Writes again what a finished run wrote from its results and is there no more; returns what that is.
+fn restore(folder: &mut OutFolder, results: &Results) -> Result<Vec<PathBuf>, HarnessError> {
+    let mut shown = results.clone();
+    shown.pictures.retain(|files| folder.holds(Path::new(&files.png)));
+    let mut written = Vec::new();
+    report::write_all(&shown, &mut |file, bytes| {
+        if !folder.holds(file) {
+            folder.write(file, bytes)?;
+            written.push(file.to_owned());
+        }
+        Ok(())
+    })?;
+    Ok(written)
+}
+
+/// Pictures of a finished run that are there no more.
+fn missing_pictures(folder: &OutFolder, results: &Results) -> Vec<PathBuf> {
+    let files = results.pictures.iter().flat_map(|it| [&it.exr, &it.png].into_iter().chain(&it.error_png));
+    files.map(PathBuf::from).filter(|file| !folder.holds(file)).collect()
 }
 
 /// What began a run that has these results; the program is not known from them.
