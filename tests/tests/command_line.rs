@@ -94,6 +94,11 @@ fn an_experiment_runs_checks_reports_and_resumes() {
         let report = stdout(halfshade(here.path()).args(["report", "out/small", "--format", format]));
         assert!(report.starts_with(start), "{format}: {report}");
     }
+    let report = stdout(halfshade(here.path()).args(["report", "out/small"]));
+    assert_eq!(stdout(halfshade(here.path()).args(["report", "out/small", "-o", "moved.md"])), "");
+    assert_eq!(fs::read_to_string(here.path().join("moved.md")).unwrap(), report);
+    let error = refused(halfshade(here.path()).args(["report", "out/small", "-o", "out/small/results.json"]));
+    assert!(error.contains("results.json: is read as input"), "{error}");
     // Pictures that went elsewhere leave no dead links.
     let pictures = [out.join("pictures"), here.path().join("elsewhere")];
     let linked = || stdout(halfshade(here.path()).args(["report", "out/small"])).contains("](pictures/");
@@ -114,6 +119,31 @@ fn an_experiment_runs_checks_reports_and_resumes() {
     let failed = halfshade(here.path()).args(check).assert().code(1).get_output().clone();
     let table = String::from_utf8(failed.stdout).unwrap();
     assert!(table.contains("FAILED: error grew") && table.contains("1 failed"), "{table}");
+    // A baseline is not taken at its word.
+    let doctored = |change: &dyn Fn(&mut Value)| {
+        let mut baseline = json.clone();
+        change(&mut baseline);
+        write(here.path(), "base.json", baseline.to_string());
+        halfshade(here.path()).args(check).output().unwrap()
+    };
+    let refused_for = |change: &dyn Fn(&mut Value), problem: &str| {
+        let output = doctored(change);
+        let text = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.code() == Some(2) && text.contains("base.json") && text.contains(problem), "{text}");
+    };
+    refused_for(&|it| it["runs"] = Value::Array(Vec::new()), "no errors to compare with");
+    refused_for(&|it| it["runs"][1]["error"]["p99_noise"] = (-1.0).into(), "below 0");
+    refused_for(&|it| it["runs"][1]["receiver_count"] = 3.into(), "the receivers of the baseline are 3");
+    refused_for(&|it| it["runs"][1]["truth"]["samples"] = 1.into(), "the samples of the baseline are 1");
+    let fails: [&dyn Fn(&mut Value); 3] = [
+        &|it| drop(it["runs"].as_array_mut().unwrap().pop()),
+        &|it| (it["runs"][1]["error"]["rmse"], it["runs"][1]["error"]["rmse_noise"]) = (1e-9.into(), 1e9.into()),
+        &|it| it["runs"][1]["error"]["classes"][0]["mae"] = 0.into(),
+    ];
+    for fails in fails {
+        let output = doctored(fails);
+        assert_eq!(output.status.code(), Some(1), "{}", String::from_utf8_lossy(&output.stderr));
+    }
 
     // Resuming something else, or from a damaged journal, is refused; nothing to resume starts anew.
     write(&out.join(".halfshade"), "journal.jsonl", "{\"schema\":\n");
@@ -138,7 +168,13 @@ fn mistakes_in_experiments_name_the_line_and_leave_nothing_behind() {
         ("[[scene]]", "frames = [9999]\n[[scene]]", "unknown field"),
         ("claim = \"none\"", "claim = \"none\"\nframes = [99999]", "there is no frame 99999"),
         ("[\"mesh\", \"spheres\"]", "[\"cubes\"]", "bad.toml:4: unknown reference `cubes`"),
-        ("repeats = 3", "repeats = 0", "bad.toml:9: "),
+        ("repeats = 3", "repeats = 0", "bad.toml:9: expected a whole number of rounds"),
+        ("samples = 16", "samples = 0", "bad.toml:6: expected a whole number of samples from 1 to "),
+        (
+            "name = \"one-sphere\"",
+            "name = \"one-sphere\"\nspheres = 0",
+            "bad.toml:14: expected a whole number of spheres",
+        ),
     ];
     for (from, to, expected) in cases {
         // A byte-order mark is no text, and moves no line.
@@ -194,7 +230,10 @@ fn bad_requests_for_pictures_are_refused_before_any_work() {
     assert!(render(&["one-sphere", "--strategy", "unshadowed", "-o", "."]).contains(".exr or .png"));
     assert!(render(&["one-sphere", "--strategy", "unshadowed", "--frame", "99999"]).contains("no frame"));
     assert!(render(&["one-sphere", "--strategy", "unshadowed", "--background", "nan"]).contains("not negative"));
-    assert!(refused(halfshade(here.path()).args(["truth", "one-sphere", "--samples", "0"])).contains("0"));
+    assert!(render(&["one-sphere", "--strategy", "sh-exp:bands=2,bands=4"]).contains("`bands` is set twice"));
+    for wrong in [&["truth", "one-sphere", "--samples", "0"][..], &["spheres", "a.obj", "-n", "0"]] {
+        assert!(refused(halfshade(here.path()).args(wrong)).contains("expected a whole number from 1 to "));
+    }
     assert_eq!(names(here.path()), [""; 0]);
 }
 
@@ -204,7 +243,7 @@ fn an_output_that_cannot_be_written_ends_with_2_and_leaves_nothing() {
     write(here.path(), "small.toml", SMALL);
     write(here.path(), "taken", "a file");
     let error = refused(halfshade(here.path()).args(["run", "small.toml", "--out", "taken/out"]));
-    assert!(error.contains("taken/out") && error.contains("cannot create"), "{error}");
+    assert!(error.contains("error: taken: a folder is needed here, and this is none"), "{error}");
     // Always full.
     if Path::new("/dev/full").exists() {
         fs::create_dir(here.path().join("full")).unwrap();
@@ -254,7 +293,7 @@ fn damaged_results_are_refused_by_name() {
     write(here.path(), "small.toml", SMALL);
     let error = refused(halfshade(here.path()).args(["check", "small.toml", "--baseline", "results.json"]));
     assert!(error.contains("results.json:1") && error.contains("damaged"), "{error}");
-    assert!(refused(halfshade(here.path()).args(["report", "nowhere"])).contains("nowhere: cannot read"));
+    assert!(refused(halfshade(here.path()).args(["report", "nowhere"])).contains("nowhere: cannot be read"));
 }
 
 #[test]

@@ -257,7 +257,7 @@ pub struct TimingSettings {
 pub struct PictureSettings {
     /// Width and height, if other than the camera's.
     #[serde(default, deserialize_with = "picture_size")]
-    pub resolution: Option<[NonZeroU32; 2]>,
+    pub resolution: Option<[u32; 2]>,
     /// SPECs, if not all.
     pub strategies: Option<Vec<Spanned<String>>>,
     /// Two SPECs whose difference is drawn.
@@ -276,8 +276,7 @@ fn fitting<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
     expected: &str,
     fits: impl FnOnce(&T) -> bool,
 ) -> Result<T, D::Error> {
-    let value = T::deserialize(deserializer)?;
-    if fits(&value) { Ok(value) } else { Err(D::Error::custom(expected)) }
+    T::deserialize(deserializer).ok().filter(fits).ok_or_else(|| D::Error::custom(expected))
 }
 
 /// A list that names something, and nothing twice: every row would be there twice.
@@ -311,12 +310,12 @@ fn sphere_count<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Non
     /// Of all objects together; what one can use is another bound.
     const MOST: usize = 100_000;
     let fits = |count: &NonZeroUsize| count.get() <= MOST;
-    fitting(deserializer, &format!("expected at most {MOST} spheres"), fits).map(Some)
+    fitting(deserializer, &format!("expected a whole number of spheres from 1 to {MOST}"), fits).map(Some)
 }
 
 fn sample_count<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<NonZeroU32>, D::Error> {
     let fits = |count: &NonZeroU32| count.get() as usize <= MAX_SAMPLES;
-    fitting(deserializer, &format!("expected at most {MAX_SAMPLES} samples"), fits).map(Some)
+    fitting(deserializer, &format!("expected a whole number of samples from 1 to {MAX_SAMPLES}"), fits).map(Some)
 }
 
 fn noise<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
@@ -328,17 +327,18 @@ fn round_count<'de, D: Deserializer<'de>, T: Deserialize<'de> + Copy + Into<u32>
     deserializer: D,
 ) -> Result<T, D::Error> {
     let fits = |count: &T| (*count).into() <= MAX_ROUNDS;
-    fitting(deserializer, &format!("expected at most {MAX_ROUNDS} rounds"), fits)
+    let expected = format!("expected a whole number of rounds, at most {MAX_ROUNDS}, and at least 1 that counts");
+    fitting(deserializer, &expected, fits)
 }
 
 fn thread_count<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<NonZeroUsize>, D::Error> {
     let fits = |count: &NonZeroUsize| count.get() <= MAX_THREADS;
-    fitting(deserializer, &format!("expected at most {MAX_THREADS} threads"), fits).map(Some)
+    fitting(deserializer, &format!("expected a whole number of threads from 1 to {MAX_THREADS}"), fits).map(Some)
 }
 
-fn picture_size<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<[NonZeroU32; 2]>, D::Error> {
-    let size: [NonZeroU32; 2] = Deserialize::deserialize(deserializer)?;
-    check_resolution(size.map(NonZeroU32::get)).map_err(D::Error::custom)?;
+fn picture_size<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<[u32; 2]>, D::Error> {
+    let size: [u32; 2] = Deserialize::deserialize(deserializer)?;
+    check_resolution(size).map_err(D::Error::custom)?;
     Ok(Some(size))
 }
 
@@ -491,11 +491,17 @@ pub(crate) mod tests {
             "[timing]\nwarm_up = 1\nrepeats = 1\nthreads = 100000",
             "[pictures]\nresolution = [16384, 16384]",
             "[pictures]\nresolution = [4000000000, 1]",
+            "[pictures]\nresolution = [0, 1]",
+            "[timing]\nwarm_up = 1\nrepeats = 0",
+            "[timing]\nwarm_up = 1\nrepeats = 1\nthreads = 0",
         ] {
             let error = error(&SMALL.replace("[[scene]]", &format!("{lines}\n[[scene]]")));
-            assert!(error.starts_with("e.toml:") && error.contains("at most"), "{lines}: {error}");
+            assert!(
+                error.starts_with("e.toml:") && (error.contains("at most") || error.contains("from 1 to")),
+                "{lines}: {error}"
+            );
         }
         let error = error(&SMALL.replace("[[strategy]]", "spheres = 1000000000\n[[strategy]]"));
-        assert!(error.starts_with("e.toml:7: expected at most"), "{error}");
+        assert!(error.starts_with("e.toml:7: expected a whole number of spheres from 1 to "), "{error}");
     }
 }

@@ -5,8 +5,10 @@ use halfshade_harness::{scene_source::MeshLight, threads::MAX_THREADS};
 use halfshade_scene::{
     camera::{MAX_SIDE, check_resolution},
     light::ProbeOptions,
+    spheres::MAX_SPHERES,
 };
-use std::{num::NonZeroUsize, path::PathBuf};
+use halfshade_truth::MAX_SAMPLES;
+use std::path::PathBuf;
 
 /// Compares real-time methods for soft shadows: error and time of every strategy against ray-traced truth.
 #[derive(Debug, Parser)]
@@ -129,8 +131,8 @@ pub struct TruthArguments {
     #[command(flatten)]
     pub scene: SceneArguments,
     /// Samples per pixel and kind of light.
-    #[arg(long, default_value_t = NonZeroUsize::MIN.saturating_add(255))]
-    pub samples: NonZeroUsize,
+    #[arg(long, default_value_t = 256, value_parser = sample_count)]
+    pub samples: usize,
     /// Where the samples start from.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
@@ -145,8 +147,8 @@ pub struct SpheresArguments {
     /// The mesh file: .obj, .ply, .gltf, .glb.
     pub mesh: PathBuf,
     /// How many spheres, at most 2000.
-    #[arg(short = 'n', long, value_name = "COUNT")]
-    pub count: NonZeroUsize,
+    #[arg(short = 'n', long, value_name = "COUNT", value_parser = sphere_count)]
+    pub count: usize,
     /// Write the set as JSON.
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
@@ -190,6 +192,9 @@ pub struct ReportArguments {
     /// In which format.
     #[arg(long, value_enum, default_value_t = FormatChoice::Md)]
     pub format: FormatChoice,
+    /// Write it to this file instead of the standard output; its links start from the folder of the results.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
 }
 
 /// Formats of reports.
@@ -214,8 +219,20 @@ fn resolution(text: &str) -> Result<[u32; 2], String> {
 }
 
 fn thread_count(text: &str) -> Result<usize, String> {
-    let count = text.parse().ok().filter(|count| (1..=MAX_THREADS).contains(count));
-    count.ok_or_else(|| format!("expected a number from 1 to {MAX_THREADS}"))
+    count(text, MAX_THREADS)
+}
+
+fn sample_count(text: &str) -> Result<usize, String> {
+    count(text, MAX_SAMPLES)
+}
+
+fn sphere_count(text: &str) -> Result<usize, String> {
+    count(text, MAX_SPHERES)
+}
+
+fn count(text: &str, most: usize) -> Result<usize, String> {
+    let count = text.parse().ok().filter(|count| (1..=most).contains(count));
+    count.ok_or_else(|| format!("expected a whole number from 1 to {most}"))
 }
 
 fn stops(text: &str) -> Result<f32, String> {
@@ -256,6 +273,9 @@ mod tests {
             assert!(thread_count(absurd).is_err(), "{absurd}");
         }
         assert_eq!(thread_count("1024"), Ok(1024));
+        assert_eq!(sample_count("0"), Err(format!("expected a whole number from 1 to {MAX_SAMPLES}")));
+        assert_eq!((sphere_count("1"), sphere_count("2000")), (Ok(1), Ok(2000)));
+        assert!(sphere_count("0").is_err() && sphere_count("2001").is_err());
         for absurd in ["nan", "inf", "-inf", "1e9", "-64.5", "bright"] {
             assert!(stops(absurd).is_err(), "{absurd}");
         }

@@ -132,7 +132,7 @@ impl Plan {
             .pictures
             .as_ref()
             .and_then(|pictures| pictures.resolution)
-            .map(|size| size.map(|n| (n.get() / shrink).max(1)));
+            .map(|size| size.map(|side| (side / shrink).max(1)));
         Ok(Self {
             scenes,
             receivers: experiment.receivers.clone(),

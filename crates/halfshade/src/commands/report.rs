@@ -9,14 +9,21 @@ use crate::{
 use halfshade_harness::{
     HarnessError, Results,
     out_folder::{OutFolder, PRIVATE},
-    output::{check_writable, prepare_folder, write_atomically},
+    output::{check_no_input, check_writable, prepare_folder, write_atomically},
     report::{self, Format},
 };
-use halfshade_scene::Progress;
+use halfshade_scene::{Progress, input};
 use std::{path::Path, process::ExitCode};
 
 pub(super) fn report(context: &Context, arguments: &ReportArguments) -> Result<ExitCode, Failure> {
-    let mut results = Results::load(&arguments.folder)?;
+    if let Some(output) = &arguments.output {
+        context.prepare_output(output)?;
+    }
+    let (results, inputs) = input::recorded(|| Results::load(&arguments.folder));
+    let mut results = results?;
+    if let Some(output) = &arguments.output {
+        check_no_input(output, &inputs)?;
+    }
     // Stored results may have been parted from their pictures, which are large.
     let folder = if arguments.folder.is_dir() { Some(arguments.folder.as_path()) } else { arguments.folder.parent() };
     results.pictures.retain(|files| folder.is_some_and(|folder| folder.join(&files.png).is_file()));
@@ -35,7 +42,11 @@ pub(super) fn report(context: &Context, arguments: &ReportArguments) -> Result<E
             report::write_plots(&results, &mut |file, bytes| write_plot(context, &arguments.folder.join(file), bytes))?;
         }
     }
-    terminal::data(&report::report(&results, format))?;
+    let text = report::report(&results, format);
+    match &arguments.output {
+        Some(output) => write_atomically(output, text.as_bytes())?,
+        None => terminal::data(&text)?,
+    }
     Ok(ExitCode::SUCCESS)
 }
 

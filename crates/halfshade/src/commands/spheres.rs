@@ -10,16 +10,12 @@ use halfshade_harness::{
 };
 use halfshade_scene::{
     Progress, SphereSet, input,
-    spheres::{AdjustRule, BuildOptions, MAX_SPHERES},
+    spheres::{AdjustRule, BuildOptions},
 };
 use serde_json::json;
 use std::{process::ExitCode, sync::Arc};
 
 pub(super) fn spheres(context: &Context, arguments: &SpheresArguments) -> Result<ExitCode, Failure> {
-    if arguments.count.get() > MAX_SPHERES {
-        let problem = format!("-n {}: more than a mesh can use; at most {MAX_SPHERES}", arguments.count);
-        return Err(Failure::Error(problem));
-    }
     if let Some(output) = &arguments.output {
         context.prepare_output(output)?;
     }
@@ -30,9 +26,8 @@ pub(super) fn spheres(context: &Context, arguments: &SpheresArguments) -> Result
     }
     let mesh = Arc::new(mesh);
     // Not cached: its time is part of the answer.
-    let (seconds, set) = time_secs(&context.clock, || {
-        SphereSet::build(&mesh, arguments.count.get(), &BuildOptions::default(), &context.bars)
-    });
+    let (seconds, set) =
+        time_secs(&context.clock, || SphereSet::build(&mesh, arguments.count, &BuildOptions::default(), &context.bars));
     let set = set.map_err(|error| error.in_file(&arguments.mesh))?;
     let rules = [AdjustRule::default(), AdjustRule::Continuous, AdjustRule::Covering, AdjustRule::Published];
     let errors = ground_shadow_errors(&mesh, &set, rules, &context.bars).map_or([None; 4], |errors| errors.map(Some));

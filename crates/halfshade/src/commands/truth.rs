@@ -12,13 +12,10 @@ use halfshade_harness::{
     report::significant,
 };
 use halfshade_scene::Progress;
-use halfshade_truth::{MAX_SAMPLES, Options, Tracer, estimate};
+use halfshade_truth::{Options, Tracer, estimate};
 use std::process::ExitCode;
 
 pub(super) fn truth(context: &Context, arguments: &TruthArguments) -> Result<ExitCode, Failure> {
-    if arguments.samples.get() > MAX_SAMPLES {
-        return Err(Failure::Error(format!("--samples {}: at most {MAX_SAMPLES}", arguments.samples)));
-    }
     let output = arguments.output.clone().unwrap_or_else(|| default_output(&arguments.scene, "-truth.exr"));
     check_extension(&output)?;
     context.prepare_output(&output)?;
@@ -29,12 +26,8 @@ pub(super) fn truth(context: &Context, arguments: &TruthArguments) -> Result<Exi
     if projection.is_empty() {
         return Err(sees_nothing(&scene));
     }
-    let options = Options {
-        samples: arguments.samples.get(),
-        seed: arguments.seed,
-        bounces: scene.bounces,
-        ..Options::default()
-    };
+    let options =
+        Options { samples: arguments.samples, seed: arguments.seed, bounces: scene.bounces, ..Options::default() };
     let found = estimate(&tracer, receivers.view(), &options, &context.bars);
     let place = format!("scene `{}`, frame {}", scene.name, arguments.scene.frame);
     check_range([&found.radiance, &found.standard_error], &found.draws, found.unshadowed_mean, &place)?;
