@@ -422,7 +422,7 @@ mod tests {
             ("\nspheres = 1000000", 4, &["spheres = 1000000", "0 to 2000"]),
             ("translate = [0, inf, 0]", 3, &["translate"]),
             ("translate = [1e37, 0, 0]", 3, &["translate = [1e37, 0.0, 0.0]", "from -1e12 to 1e12", "unit of length"]),
-            ("scale = 2e12", 3, &["scale = 2e12", "at most 1.00e12", "unit of length"]),
+            ("scale = 2e12", 3, &["scale = 2000000000000.0", "at most 1.00e12", "unit of length"]),
             ("keyframe = [\n{ time = 0 },\n{ time = 1, translate = [0, -1e30, 0] }]", 5, &["translate", "1e12"]),
             ("keyframe = [{ time = 0, scale = 1e30 }]", 3, &["scale", "1.00e12"]),
             ("[[light]]\nsphere = { center = [0, 1e30, 0], radius = 1 }\nradiance = [1, 1, 1]", 4, &["center", "1e12"]),
