@@ -149,7 +149,7 @@ pub(super) fn all() -> Vec<Parameter> {
         ),
         part(
             "share",
-            "side of the cubes of space whose receivers share masks, in radii of the light, or of all spheres if that is less; 0 shares none",
+            "side of the cubes of space whose receivers share masks, in radii of the light, or in diameters of a ball around all spheres if that is less; 0 shares none",
             0.0,
         ),
         integer(

@@ -65,7 +65,7 @@ impl<'a> Shading<'a> {
         let before = |light: &Light| Before {
             group: Spheres::default(),
             subgroup: Spheres::default(),
-            cubes: Cubes::new(settings.share * light.half_width(&moment.ball).min(moment.ball.radius)),
+            cubes: Cubes::new(settings.share * light.half_width(&moment.ball).min(2.0 * moment.ball.radius)),
         };
         Self {
             settings,

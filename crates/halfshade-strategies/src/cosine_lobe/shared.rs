@@ -6,9 +6,9 @@
 //! surface is flat that is one mask per cube, where it is curved several.
 //!
 //! From one side of a cube to the other, a blocker half way to the light moves before it by the cube's side, which `share`
-//! gives in radii of the light (or of a ball around all that blocks, if that is less: of a lamp as large and far as the
-//! sun, no cube is larger than the scene): at `share = 2^(1-depth)` that is one of the mask's finest cells. Blockers near the receiver
-//! move more, so that the shadow of a contact is where sharing errs.
+//! gives in radii of the light: at `share = 2^(1-depth)` that is one of the mask's finest cells. Blockers near the receiver
+//! move more, so that the shadow of a contact is where sharing errs. A light that is larger than a ball around all that
+//! blocks, like a lamp of the sun's size and distance, counts as that ball's diameter.
 
 use super::{blockers::Receiver, lobes::CellLobes, visibility::Hidden};
 use glam::{IVec3, Vec3};
