@@ -35,7 +35,7 @@ const TOLERANCE: f64 = 0.02;
 /// Fraction of the mean unshadowed radiance that passes: what single precision leaves of sums.
 const ROUNDING: f64 = 1e-5;
 /// How many times the noise of a figure now that of the baseline may be.
-const NOISE_RATIO: f64 = 3.0;
+pub const NOISE_RATIO: f64 = 3.0;
 
 /// A figure with its noise.
 struct Figure {

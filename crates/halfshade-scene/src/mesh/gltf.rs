@@ -8,6 +8,7 @@
 //! it doesn't count. Without normals each triangle is flat. What else there is, is told in notes.
 
 mod accessor;
+mod buffers;
 mod document;
 mod emission;
 mod extensions;
@@ -24,7 +25,7 @@ use super::animation::Animation;
 use super::assemble::{RawMesh, RawMorph};
 use crate::{Joint, SceneError};
 use ::gltf::{Document, Node};
-use document::Buffers;
+use buffers::Buffers;
 use glam::DMat4;
 use instances::instances;
 use material::Coverage;

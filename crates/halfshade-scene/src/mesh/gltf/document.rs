@@ -3,6 +3,7 @@
 //! The crate's validation takes some things for granted, which are looked at here first, and refuses others that do no
 //! harm, which are mended here: bounds of positions that are missing, and accessors without data, which glTF says are zero.
 
+use super::buffers::Buffers;
 use super::emission::emission_note;
 use super::extensions;
 use super::instances;
@@ -12,31 +13,7 @@ use crate::{SceneError, text};
 use ::gltf::json::{Index, Root, Value, accessor, deserialize, validation::Checked};
 use ::gltf::{Document, Glb, Semantic, buffer};
 use std::collections::HashSet;
-use std::path::{Path, PathBuf};
-
-/// The bytes that a document speaks of.
-pub(super) struct Buffers {
-    /// Where files are that the document names.
-    pub(super) folder: PathBuf,
-    data: Vec<Vec<u8>>,
-    /// Accessors that have no data: all zero.
-    zeros: HashSet<usize>,
-    /// Whether whole numbers may be themselves where glTF by itself has fractions: KHR_mesh_quantization.
-    pub(super) is_quantized: bool,
-}
-
-impl Buffers {
-    /// The part of a buffer that a view names; `None` if it lies beyond.
-    pub(super) fn view(&self, view: &buffer::View<'_>) -> Option<&[u8]> {
-        let data = self.data.get(view.buffer().index())?;
-        data.get(view.offset()..view.offset().checked_add(view.length())?)
-    }
-
-    /// Whether an accessor has no data of its own.
-    pub(super) fn is_zero(&self, accessor: usize) -> bool {
-        self.zeros.contains(&accessor)
-    }
-}
+use std::path::Path;
 
 /// The document in a file, its buffers, and what of it isn't read, for people.
 pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<(Document, Buffers, Vec<String>), SceneError> {
