@@ -1,7 +1,7 @@
 //! The spheres that block [Meunier2009, 5.3]: those of a frame, those that may be in the way of a light, and what one
 //! receiver sees of eight of them.
 
-use crate::shared::tangent_plane::OverPlane;
+use crate::shared::{tangent_plane::OverPlane, vector::dot};
 use glam::{DVec3, Vec3};
 use halfshade_scene::{
     Frame, Object, Pose, Scene, Sphere, SphereSet,
@@ -172,7 +172,6 @@ impl Ball {
     /// How far its surface is from within it in the directions of eight points, all from one place.
     #[inline(always)]
     pub(super) fn surface_behind(&self, offset: &[f32x8; 3]) -> f32x8 {
-        let dot = |a: &[f32x8; 3], b: &[f32x8; 3]| a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]));
         let center = self.center.map(f32x8::splat);
         let distance = dot(offset, offset).fast_max(f32x8::splat(f32::MIN_POSITIVE)).sqrt();
         let along = dot(&center, offset) / distance;

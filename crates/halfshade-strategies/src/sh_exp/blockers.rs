@@ -1,6 +1,6 @@
 //! The spheres that block, and what eight receivers at once see of each ([Guerrero2007, 4.2]).
 
-use crate::shared::tangent_plane::OverPlane;
+use crate::shared::{tangent_plane::OverPlane, vector::dot};
 use halfshade_scene::spheres::AdjustRule;
 use halfshade_sh::kernel::MAX_BANDS;
 use wide::f32x8;
@@ -54,9 +54,7 @@ impl Blocker {
         } else {
             (offset, radius)
         };
-        let [x, y, z] = moved;
-        let squared = x.mul_add(x, y.mul_add(y, z * z));
-        let per_distance_squared = f32x8::ONE / squared.fast_max(f32x8::splat(f32::MIN_POSITIVE));
+        let per_distance_squared = f32x8::ONE / dot(&moved, &moved).fast_max(f32x8::splat(f32::MIN_POSITIVE));
         let sin_squared = (reach * reach * per_distance_squared).fast_min(f32x8::ONE);
         let per_distance = per_distance_squared.sqrt();
         Some(Seen { direction: moved.map(|axis| axis * per_distance), sin_squared })

@@ -1,7 +1,7 @@
 //! Where everything is in a frame: objects and lights in the space of the distant light, and who is near to whom.
 
 use super::basis::Ball;
-use crate::shared::origin::origin_of;
+use crate::shared::{origin::origin_of, vector::dot};
 use glam::{DMat3, DQuat, DVec3, Mat3, Vec3};
 use halfshade_scene::{EyeLobes, Frame, Mesh, Receivers, Scene, SphereLight};
 use halfshade_strategy::StrategyError;
@@ -70,7 +70,7 @@ pub(super) struct Arrangement {
 }
 
 impl Arrangement {
-    /// Of the scene's objects, with their balls.
+    /// An arrangement of the scene's objects, with their balls.
     pub(super) fn new(scene: &Scene, balls: impl IntoIterator<Item = Ball>) -> Self {
         let bodies = (scene.objects.iter().zip(balls))
             .map(|(object, ball)| Body { mesh: object.mesh.clone(), ball, name: object.name.clone() })
@@ -168,7 +168,8 @@ impl Arrangement {
     /// Squared distance of an object's middle from eight places.
     #[inline(always)]
     pub(super) fn distance_squared(&self, object: usize, position: &[f32x8; 3]) -> f32x8 {
-        squared(&offset(&self.places[object].field_center, position))
+        let offset = offset(&self.places[object].field_center, position);
+        dot(&offset, &offset)
     }
 
     /// Where eight receivers see a light.
@@ -176,7 +177,7 @@ impl Arrangement {
     pub(super) fn see(&self, light: usize, position: &[f32x8; 3]) -> LightSeen {
         let light = &self.lights[light];
         let offset = offset(&light.center, position);
-        let distance_squared = squared(&offset);
+        let distance_squared = dot(&offset, &offset);
         let is_around = distance_squared.simd_le(f32x8::splat(light.radius * light.radius));
         LightSeen { offset, distance_squared, is_around }
     }
@@ -201,11 +202,6 @@ impl Arrangement {
 #[inline(always)]
 fn offset(to: &[f32; 3], position: &[f32x8; 3]) -> [f32x8; 3] {
     std::array::from_fn(|axis| f32x8::splat(to[axis]) - position[axis])
-}
-
-#[inline(always)]
-fn squared([x, y, z]: &[f32x8; 3]) -> f32x8 {
-    x.mul_add(*x, y.mul_add(*y, *z * *z))
 }
 
 impl Place {

@@ -6,3 +6,4 @@ pub(crate) mod tangent_plane;
 #[cfg(test)]
 pub(crate) mod test_scenes;
 pub(crate) mod triangle_rays;
+pub(crate) mod vector;

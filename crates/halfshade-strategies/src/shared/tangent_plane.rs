@@ -1,6 +1,7 @@
 //! Spheres that cut the tangent plane of who sees them, eight at a time: the branch-free single-precision twin of
 //! [`halfshade_scene::spheres::adjust`].
 
+use super::vector::dot;
 use halfshade_scene::spheres::{AdjustRule, COVER_HEIGHT, FADE_HEIGHT};
 use wide::f32x8;
 
@@ -10,12 +11,12 @@ pub(crate) struct OverPlane {
     offset: [f32x8; 3],
     radius: f32x8,
     normal: [f32x8; 3],
-    /// Of the centre over the plane.
+    /// Height of the centre over the plane.
     pub(crate) height: f32x8,
 }
 
 impl OverPlane {
-    /// Of spheres whose centres are at `offset` from receivers with unit `normal`.
+    /// Pairs of spheres whose centres are at `offset` from receivers with unit `normal`.
     #[inline(always)]
     pub(crate) fn new(offset: [f32x8; 3], radius: f32x8, normal: [f32x8; 3]) -> Self {
         Self { offset, radius, normal, height: dot(&offset, &normal) }
@@ -62,11 +63,6 @@ impl OverPlane {
         };
         Some((moved, scale * front))
     }
-}
-
-#[inline(always)]
-fn dot(a: &[f32x8; 3], b: &[f32x8; 3]) -> f32x8 {
-    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
 }
 
 #[cfg(test)]
