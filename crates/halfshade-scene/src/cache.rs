@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 const MARK: &[u8; 8] = b"HSCACHE1";
 const HASH_BYTES: usize = 32;
 
-/// What stands between the name of an entry and some random letters while it is written.
+/// Infix between the name of an entry and some random letters while it is written.
 const UNFINISHED: &str = ".unfinished-";
 
 /// The environment variable that moves the cache.
@@ -36,7 +36,7 @@ pub enum CacheSource {
     Computed,
 }
 
-/// What happened to one request: where the data came from, and what the user should know.
+/// Outcome of one request: where the data came from, and notes for the user.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CacheOutcome {
     /// Where the data came from.
@@ -282,7 +282,7 @@ mod tests {
         );
         assert_ne!(name(CacheKey::new("k", 1)), name(CacheKey::new("k", 2)));
         assert!(is_entry_name(&name(CacheKey::new("two-words", 1))) && !is_entry_name("truth-0.bin"));
-        // What is left of one is told by the whole name.
+        // An unfinished entry is recognized by its whole name.
         assert!(is_entry(Path::new(&(name(CacheKey::new("k", 1)) + ".unfinished-a1B2c3"))));
         assert!(!is_entry(Path::new("unfinished-notes")) && !is_entry(Path::new("notes.bin.unfinished-a1B2c3")));
         assert_ne!(name(CacheKey::new("k", 1).value(&0.0f32)), name(CacheKey::new("k", 1).value(&-0.0f32)));

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-/// What went wrong with a file or a description that a user gave.
+/// Error of a file or a description that a user gave.
 #[derive(Debug, Clone, thiserror::Error)]
 #[error("{}{}{problem}{}", .path.as_ref().map(|p| p.display().to_string()).unwrap_or_default(),
     match (.path, .line) { (Some(_), Some(l)) => format!(":{l}: "), (Some(_), None) => ": ".into(), _ => String::new() },
@@ -12,9 +12,9 @@ pub struct SceneError {
     pub path: Option<PathBuf>,
     /// The line in that file, counted from 1, where the format has lines.
     pub line: Option<usize>,
-    /// What is wrong.
+    /// The fault.
     pub problem: String,
-    /// What the user can do about it.
+    /// Advice on what the user can do about it.
     pub remedy: Option<String>,
 }
 

@@ -20,7 +20,7 @@ pub struct InputFile {
 }
 
 thread_local! {
-    /// What this thread has read since the innermost [`recorded`] began, if there is one.
+    /// Files that this thread has read since the innermost [`recorded`] began, if there is one.
     static READ: RefCell<Option<Vec<InputFile>>> = const { RefCell::new(None) };
 }
 

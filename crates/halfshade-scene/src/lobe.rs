@@ -44,7 +44,7 @@ impl Lobe {
         if below_one < 1.0 { (f64::from(self.exponent) * (-below_one).ln_1p()).exp() } else { 0.0 }
     }
 
-    /// What `scale` is multiplied by: [`Self::power`] with its cosine if there is one, for unit `normal` and `direction`;
+    /// Factor of `scale`: [`Self::power`] with its cosine if there is one, for unit `normal` and `direction`;
     /// 0 below the horizon. In [0, 1].
     pub fn shape(&self, normal: DVec3, direction: DVec3) -> f64 {
         let above = normal.dot(direction);

@@ -12,7 +12,7 @@ pub struct Material {
     pub albedo: Vec3,
     /// Takes the place of the mesh's own textures.
     pub texture: Option<Arc<Texture>>,
-    /// What it reflects beside its diffuse part.
+    /// Reflection beside the diffuse part.
     pub reflectance: Reflectance,
     /// How that varies over the surface, if it does.
     pub gloss_variation: Option<Arc<GlossVariation>>,

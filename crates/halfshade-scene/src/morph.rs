@@ -13,7 +13,7 @@ pub struct MorphTarget {
     /// Its weight beyond that at rest: keys `(time_secs, weight)` in rising order of time, at least one, linear in between.
     /// Outside the nearest one holds.
     pub weight: Vec<(f64, f32)>,
-    /// What it moves; each vertex at most once.
+    /// Shifts of the vertices that move; each vertex at most once.
     pub shifts: Vec<MorphShift>,
 }
 
@@ -22,9 +22,9 @@ pub struct MorphTarget {
 pub struct MorphShift {
     /// The vertex.
     pub vertex: u32,
-    /// Of its position.
+    /// Shift of its position.
     pub position: Vec3,
-    /// Of its normal.
+    /// Shift of its normal.
     pub normal: Vec3,
 }
 

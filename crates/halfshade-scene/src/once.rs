@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-/// What is in `cell`; if nothing is yet, what `compute` returns, which must be the same every time.
+/// The value in `cell`; if there is none yet, that which `compute` returns, which must be the same every time.
 ///
 /// `compute` may use the thread pool: nobody waits for it. [`OnceLock::get_or_init`] and `LazyLock` would hold a lock
 /// meanwhile, and a worker that awaits the others' part of the work takes up further tasks, which ask for the same value and

@@ -12,7 +12,7 @@ pub const MAX_EXPONENT: f32 = 1e5;
 /// Highest value of a lobe along its axis, so that its product with any sensible radiance is a finite number.
 pub const MAX_SCALE: f32 = 1e6;
 
-/// What a surface adds to the diffuse `albedo/π`.
+/// Reflection of a surface beside the diffuse `albedo/π`.
 ///
 /// With v the direction that light comes from, v_o that of the eye, n the normal, and r = 2 (n·v_o) n - v_o, the
 /// integrand of outgoing radiance gains `L(v) V(v)` times what stands beside each model, in 1/steradian. All are 0 where
@@ -125,7 +125,7 @@ impl Reflectance {
         lobes
     }
 
-    /// What is wrong with the numbers of a surface with this albedo, if anything is.
+    /// Error for numbers that a surface with this albedo can't have.
     pub fn validate(&self, albedo: Vec3) -> Result<(), SceneError> {
         let wrong = |problem: String| Err(SceneError::new(problem));
         let exponent_fits = |e: f32| (0.0..=MAX_EXPONENT).contains(&e);

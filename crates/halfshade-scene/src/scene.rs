@@ -33,7 +33,7 @@ pub struct Object {
     pub skin: Option<Arc<Skin>>,
 }
 
-/// What every strategy and the truth are run on.
+/// A scene on which every strategy and the truth are run.
 #[derive(Debug, Clone)]
 pub struct Scene {
     /// Name for tables.
@@ -54,7 +54,7 @@ pub struct Scene {
     pub frame_count: usize,
     /// How many bounces of light are asked for: 0 is direct light alone. At most [`MAX_BOUNCES`].
     pub bounces: usize,
-    /// What was repaired or left out when files were read, for people; each note names its file.
+    /// Notes on what was repaired or left out when files were read, for people; each names its file.
     pub notes: Vec<String>,
 }
 
@@ -118,7 +118,7 @@ impl Object {
     }
 }
 
-/// What the textures of a variation say at a coordinate.
+/// Gloss by the textures of a variation at a coordinate.
 fn gloss_texel(variation: &GlossVariation, coordinate: DVec3) -> Gloss {
     let at = |texture: &Option<Arc<Texture>>| {
         texture.as_ref().map_or(Vec3::ONE, |texture| texture.at(coordinate.truncate()))

@@ -61,7 +61,7 @@ impl Skin {
     pub fn reach(&self, mesh: &Mesh) -> f64 {
         let at_rest = mesh.positions.iter().map(|p| p.as_dvec3().length()).fold(0.0, f64::max);
         let farthest = at_rest + self.morphs.iter().map(MorphTarget::reach).sum::<f64>();
-        // Of each joint how far its origin comes and how much it scales, at most.
+        // By joint: how far its origin comes and how much it scales, at most.
         let mut bounds: Vec<(f64, f64)> = Vec::with_capacity(self.joints.len());
         let mut reach = 0.0_f64;
         for joint in &self.joints {

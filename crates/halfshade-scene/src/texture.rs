@@ -14,7 +14,7 @@ use std::path::Path;
 /// The largest width or height read.
 const LARGEST_SIDE: u32 = 16384;
 
-/// What lies beyond a texture's edge.
+/// Values beyond a texture's edge.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub enum Wrap {
     /// The texture again.
@@ -42,7 +42,7 @@ impl Wrap {
     }
 }
 
-/// What lies between the centres of texels.
+/// Values between the centres of texels.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub enum Filter {
     /// Values interpolated bilinearly.
@@ -109,7 +109,7 @@ impl Texture {
         Ok((Self::from_image(image.into_rgb16())?, alpha))
     }
 
-    /// Of sRGB values. 16 bits hold 8-bit ones exactly, as the same fraction of the maximum.
+    /// A texture from sRGB values. 16 bits hold 8-bit ones exactly, as the same fraction of the maximum.
     fn from_image(image: ImageBuffer<Rgb<u16>, Vec<u16>>) -> Result<Self, SceneError> {
         let linear: Vec<f32> = (0..=u16::MAX).map(|code| linear_from_srgb(f64::from(code) / 65535.0) as f32).collect();
         let texels = image.pixels().map(|pixel| Vec3::from(pixel.0.map(|code| linear[usize::from(code)]))).collect();

@@ -1,4 +1,4 @@
-//! What is no glTF 2.0, or damaged: errors say where, what and what to do, and no damage makes the reader panic.
+//! Files that are no glTF 2.0, or damaged: errors say where, what and what to do, and no damage makes the reader panic.
 
 mod glb;
 

@@ -15,7 +15,7 @@ use std::path::PathBuf;
 /// stands 1 above and bends by a quarter turn about x from 0 s to 2 s. The node of the mesh is elsewhere, which mustn't count.
 struct Column {
     upper_times: Vec<f32>,
-    /// Of `upper`: its rotations, as quaternions.
+    /// Rotations of `upper`, as quaternions.
     upper_values: Vec<[f32; 4]>,
     interpolation: &'static str,
     /// Per vertex, in steps of four.
@@ -94,7 +94,7 @@ impl Column {
         let mut add = |bytes: Vec<u8>, kind: &str, component: u32, count: usize| {
             views.push(format!(r#"{{"buffer":0,"byteOffset":{},"byteLength":{}}}"#, data.len(), bytes.len()));
             let view = views.len() - 1;
-            // Of positions, which come first, glTF wants bounds.
+            // glTF wants bounds of positions, which come first.
             let bounds = if view == 0 { r#","min":[0,0,0],"max":[9,9,9]"# } else { "" };
             accessors.push(format!(
                 r#"{{"bufferView":{view},"componentType":{component},"count":{count},"type":"{kind}"{bounds}}}"#

@@ -20,7 +20,7 @@ fn read(name: &str) -> (EnvironmentMap, Vec<String>) {
     load_probe(&stored(name), &ProbeOptions::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// What the stored pictures of 16 by 8 hold at (x, y) of their display window, unless said otherwise.
+/// Radiance of the stored pictures of 16 by 8 at (x, y) of their display window, unless said otherwise.
 fn expected(x: usize, y: usize) -> Vec3 {
     Vec3::new(1.0 + x as f32, 1.0 + y as f32, 0.5)
 }

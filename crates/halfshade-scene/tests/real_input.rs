@@ -42,7 +42,7 @@ fn name(path: &Path) -> &str {
     path.file_name().unwrap().to_str().unwrap()
 }
 
-/// What is known of a mesh: vertices stored, distinct positions, triangles, bodies, boundary edges, bounds.
+/// Known facts of a mesh: vertices stored, distinct positions, triangles, bodies, boundary edges, bounds.
 type KnownMesh = (&'static str, usize, usize, usize, usize, usize, [f32; 3], [f32; 3]);
 
 #[rustfmt::skip]
@@ -114,7 +114,7 @@ fn the_duck_has_a_yellow_body_an_orange_beak_and_black_eyes() {
     assert!(colors[tip].y < 0.4 * colors[tip].x, "{}", colors[tip]);
 }
 
-/// What is known of a probe: projection, largest value, mean weighted by solid angle.
+/// Known facts of a probe: projection, largest value, mean weighted by solid angle.
 type KnownProbe = (&'static str, Projection, f32, [f64; 3]);
 
 const PROBES: [KnownProbe; 10] = [

@@ -19,7 +19,7 @@ pub const INTERVALS: usize = 2048;
 /// u that stands for the limit at 0: small enough for the limit, large enough for `1 - u` to be exact.
 const NEARLY_ZERO: f64 = 1.0 / (1u64 << 26) as f64;
 
-/// What a table holds.
+/// Quantity that a table holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Quantity {
     /// The logarithm of the blocker, eigenvalues clipped here [Guerrero2007, eq. 3.34 and 4.2 Precomputation].

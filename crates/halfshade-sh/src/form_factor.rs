@@ -21,7 +21,7 @@ use crate::{basis, zonal};
 use std::f64::consts::FRAC_PI_2;
 use wide::f32x8;
 
-/// What a point of the visible surface counts.
+/// Weight of a point of the visible surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Weighting {
     /// Its cosine [Guerrero2007, eq. 4.24].

@@ -89,8 +89,8 @@ pub fn distinct(bands: usize) -> Vec<Triple> {
     triples
 }
 
-/// What is smaller is a coefficient that cancels to zero without a selection rule saying so; the smallest true one
-/// within 16 bands is above 1e-4.
+/// A smaller coefficient cancels to zero without a selection rule saying so; the smallest true one within 16 bands is
+/// above 1e-4.
 pub(crate) const ROUNDING: f64 = 1e-12;
 
 impl Triple {

@@ -117,7 +117,7 @@ fn every_exponential_is_finite_and_bounded() {
 
 #[test]
 fn a_covered_hemisphere_is_dark() {
-    // What the methods that stay accurate must get right: 2,000 blockers over the hemisphere leave nothing.
+    // Methods that stay accurate must get this right: 2,000 blockers over the hemisphere leave nothing.
     let table = BlockerTable::build(4, Quantity::Logarithm { clip: DEFAULT_CLIP }).unwrap();
     let mut random = Pcg64Mcg::seed_from_u64(9);
     let sum = sums::<16>(&table, 2000, |_, _| (direction(&mut random, true), 0.5));

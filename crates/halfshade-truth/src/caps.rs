@@ -108,7 +108,7 @@ impl Cone {
     fn meets(&self, cap: &Cap) -> bool {
         let cap_cosine = (1.0 - cap.sine_squared).max(0.0).sqrt();
         let sines = (cap.sine_squared * (1.0 - self.cosine * self.cosine).max(0.0)).sqrt();
-        // Of the sum of both angles, where that is less than a straight one; in front of the cap, wider never misses.
+        // Cosine of the sum of both angles, where that is less than a straight one; in front of the cap, wider never misses.
         self.cosine <= -cap_cosine || self.axis.dot(cap.axis.into()) >= self.cosine * cap_cosine - sines - 1e-5
     }
 }

@@ -160,7 +160,7 @@ impl MapSampler {
 
     /// Draws directions of the map technique; returns their texels.
     ///
-    /// What fills vector registers and what searches tables are loops of their own.
+    /// Arithmetic that fills vector registers and searches in tables are loops of their own.
     pub(crate) fn draw(&self, points: &[[u32; 2]], scramble: Scramble, batch: &mut Batch) -> [usize; BATCH] {
         let (mut across, mut down) = ([0.0_f64; BATCH], [0.0_f64; BATCH]);
         for (k, &point) in points.iter().enumerate() {

@@ -215,7 +215,7 @@ struct Sums {
     weight: [f64; 2],
 }
 
-/// What one thread needs to estimate receivers one after another.
+/// State of one thread that estimates receivers one after another.
 struct Worker<'a> {
     tracer: &'a Tracer,
     options: &'a Options,

@@ -1,4 +1,4 @@
-//! What hides the light at a receiver: its own object, another one, the ground, or nothing.
+//! Hiders of the light at a receiver: its own object, another one, the ground, or nothing.
 //!
 //! Sample rays carry shares of the unshadowed irradiance, radiance times cosine over density as luminance, from all lights
 //! together. The share of a blocked ray goes to the object that the ray meets first: to the receiver's *own* object; to
@@ -27,7 +27,7 @@ const CHUNK: usize = 64;
 /// Scramblings apart from those of the truth: the classes must not know its noise.
 const SEED: u64 = 0x6869_6465_7273;
 
-/// What hides most of the light that would reach a receiver.
+/// Hider of most of the light that would reach a receiver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Hider {
     /// The object that the receiver lies on, whether it has spheres or not.
@@ -45,7 +45,7 @@ impl Hider {
     pub const ALL: [Self; 4] = [Self::Own, Self::Other, Self::Ground, Self::Nothing];
 }
 
-/// What hides the light at each receiver, by the meshes. The same on one thread or many, whatever the truth's seed.
+/// Hider of the light at each receiver, by the meshes. The same on one thread or many, whatever the truth's seed.
 pub fn hiders(tracer: &Tracer, receivers: Receivers<'_>, progress: &dyn Progress) -> Vec<Hider> {
     let points = Points::first(POINTS);
     progress.start("finding what hides the light", receivers.len() as u64);

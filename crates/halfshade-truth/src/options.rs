@@ -1,4 +1,4 @@
-//! What an estimate is asked for.
+//! Options of an estimate.
 
 use crate::points::MAX_POINTS;
 use halfshade_scene::spheres::AdjustRule;
@@ -9,7 +9,7 @@ pub const REPLICATES: usize = 16;
 /// Most samples per receiver and technique.
 pub const MAX_SAMPLES: usize = REPLICATES * MAX_POINTS;
 
-/// What blocks.
+/// Geometry that blocks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Geometry {
     /// The triangles of every object, receive-only objects too.
@@ -35,7 +35,7 @@ pub enum Transport {
 /// How an estimate is made.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// What blocks.
+    /// Geometry that blocks.
     pub geometry: Geometry,
     /// Whether anything blocks.
     pub transport: Transport,

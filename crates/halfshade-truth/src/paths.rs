@@ -45,7 +45,7 @@ pub(crate) struct Orders {
 }
 
 impl Orders {
-    /// Of `points` points for so many depths and scramblings per depth.
+    /// `points` points for so many depths and scramblings per depth.
     pub(crate) fn new(points: usize, depths: usize, per_depth: usize, seed: u64) -> Self {
         let shuffled = |number: usize| {
             let mut order: Vec<u32> = (0..points as u32).collect();
@@ -63,11 +63,11 @@ impl Orders {
     }
 }
 
-/// What a path meets, ready to be lit.
+/// A surface that a path meets, ready to be lit.
 struct Met {
     receiver: Receiver,
     albedo: DVec3,
-    /// What it reflects into the path beside its diffuse part.
+    /// Reflection into the path beside its diffuse part.
     lobes: Lobes,
 }
 
@@ -78,7 +78,7 @@ pub(crate) struct Paths<'a> {
     points: &'a Points,
     orders: &'a Orders,
     sphere_albedo: Option<&'a SphereAlbedo>,
-    /// What the receiver and each surface along a path see of the spheres.
+    /// Spheres as the receiver and each surface along a path see them.
     caps: Vec<Caps>,
     batch: Batch,
     pub(crate) rays: u64,

@@ -10,7 +10,7 @@ const HALF_EXTENT: f64 = (1_u64 << 30) as f64;
 /// last place. Rounding of the receiver and that of the ray's origin take one each.
 const ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
 
-/// What is added to that: receivers at coordinate 0 are exact, but the distance to a plane is found in double precision
+/// Added to that: receivers at coordinate 0 are exact, but the distance to a plane is found in double precision
 /// only. 2^-46 of half the scene's extent.
 const LEAST_ROUNDING: f64 = HALF_EXTENT / (1_u64 << 46) as f64;
 

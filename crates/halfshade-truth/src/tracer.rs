@@ -51,7 +51,7 @@ pub struct Tracer {
     /// Every object as it is at this frame, and where it stands.
     pub(crate) objects: Vec<(Object, Pose)>,
     pub(crate) lights: Lights,
-    /// What receivers reflect towards the eye, if anything is glossy.
+    /// Reflection of receivers towards the eye, if anything is glossy.
     pub(crate) eye_lobes: Option<EyeLobes>,
     inward: Inward,
     /// Whether any mesh has triangles with holes.

@@ -192,7 +192,7 @@ impl Triangle {
         if !is_met {
             return None;
         }
-        // Of a triangle seen edge-on the plane may be crossed elsewhere, but no farther away than its vertices.
+        // The plane of a triangle seen edge-on may be crossed elsewhere, but no farther away than its vertices.
         let along = ray.axes[2];
         let depths = DVec3::new(a[along], b[along], c[along]) / f64::from(ray.direction[along]);
         let distance = (ahead / facing).clamp(depths.min_element(), depths.max_element());

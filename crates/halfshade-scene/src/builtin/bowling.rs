@@ -35,8 +35,10 @@ const BALL_START: Vec2 = Vec2::new(0.16, 1.2);
 /// Where the ball is aimed: the pocket to the right of the head pin.
 const BALL_AIM: Vec2 = Vec2::new(0.05, HEAD_PIN);
 
-/// Of the cushion behind the pins; its radius is this much smaller than half of its length.
+/// Half the length of the cushion behind the pins.
 const CUSHION_HALF_LENGTH: f32 = 0.8;
+
+/// The cushion's radius, as a fraction of half its length.
 const CUSHION_SLIMNESS: f32 = 0.2;
 
 /// Where along the lane the head pin stands.
@@ -184,7 +186,7 @@ fn gutter_pose(side: f32) -> Pose {
     Pose::from_translation(Vec3::new(side * beside, FLOOR + GAP, lane_middle()))
 }
 
-/// What stands still, for the simulation.
+/// Bodies that stand still, for the simulation.
 fn obstacles() -> Vec<Piece> {
     let block = |low: Vec3, high: Vec3| {
         Piece::Hull(
@@ -224,7 +226,7 @@ fn rolling_ball() -> RigidBody {
     }
 }
 
-/// What stops the ball: so heavy that it gives way a little, and too soft to roll.
+/// The cushion that stops the ball: so heavy that it gives way a little, and too soft to roll.
 fn lying_cushion(mesh: &Mesh) -> RigidBody {
     RigidBody {
         pieces: Piece::hulls(mesh, |_| 0),

@@ -4,7 +4,7 @@ use super::implicit::{Body, smooth_path};
 use glam::{DQuat, Vec3};
 use std::f64::consts::TAU;
 
-/// Of marble, in a long dress, her hands folded over her belt.
+/// A woman of marble, in a long dress, her hands folded over her belt.
 pub(super) fn draped_woman() -> Body {
     let (marble, shade) = (Vec3::new(0.74, 0.71, 0.66), Vec3::new(0.58, 0.52, 0.45));
     let still = DQuat::IDENTITY;
@@ -51,7 +51,7 @@ pub(super) fn draped_woman() -> Body {
     body.flat_base(0.0, 0.02)
 }
 
-/// Of bronze: a striding man, as thin as his shadow.
+/// A striding man of bronze, as thin as his shadow.
 pub(super) fn walker() -> Body {
     let (bronze, green) = (Vec3::new(0.38, 0.22, 0.10), Vec3::new(0.22, 0.33, 0.25));
     let still = DQuat::IDENTITY;
@@ -97,7 +97,7 @@ pub(super) fn walker() -> Body {
         .flat_base(0.0, 0.02)
 }
 
-/// Of basalt, with a hat of red tuff.
+/// A head of basalt, with a hat of red tuff.
 pub(super) fn stone_head() -> Body {
     let (basalt, tuff) = (Vec3::new(0.36, 0.35, 0.32), Vec3::new(0.52, 0.22, 0.13));
     let still = DQuat::IDENTITY;
@@ -118,7 +118,7 @@ pub(super) fn stone_head() -> Body {
         .flat_base(0.0, 0.03)
 }
 
-/// Of painted cedar: a bear below, a raven with spread wings above.
+/// A totem of painted cedar: a bear below, a raven with spread wings above.
 pub(super) fn totem() -> Body {
     let cedar = Vec3::new(0.45, 0.25, 0.12);
     let (red, teal) = (Vec3::new(0.62, 0.08, 0.05), Vec3::new(0.07, 0.36, 0.36));

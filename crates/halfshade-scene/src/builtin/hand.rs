@@ -164,7 +164,7 @@ fn skin(mesh: &Mesh) -> Skin {
             let Some(number) = (0..FINGERS.len()).min_by(nearest) else { return influences };
             let finger = &FINGERS[number];
             let (along, _) = finger.place(position);
-            // What has passed a joint is moved by it; what the next one takes over is not.
+            // Flesh past a joint is moved by it; that which the next one takes over is not.
             for (k, &(share, _)) in finger.joints.iter().enumerate() {
                 let x = ((along - share * finger.length()) / (2.0 * SOFTNESS) + 0.5).clamp(0.0, 1.0);
                 let passed = x * x * (3.0 - 2.0 * x);

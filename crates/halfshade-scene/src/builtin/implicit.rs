@@ -32,7 +32,7 @@ pub(super) struct Body {
     color_softness: f64,
 }
 
-/// What a body is at a point.
+/// Value of a body at a point.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sample {
     /// Negative inside.

@@ -78,7 +78,7 @@ mod tests {
         }
     }
 
-    /// What a shadow needs at any height: the whole light seen from the plane, and the object between.
+    /// A shadow at any height needs the whole light seen from the plane, and the object between.
     #[test]
     fn the_squirrel_stays_below_the_light() {
         let scene = built("rising-squirrel");

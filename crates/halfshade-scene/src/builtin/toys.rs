@@ -8,7 +8,7 @@ use crate::Mesh;
 use glam::{DQuat, Vec3};
 use std::f64::consts::TAU;
 
-/// What falls: a mesh and its pieces.
+/// A falling toy: a mesh and its pieces.
 pub(super) struct Toy {
     pub(super) mesh: Mesh,
     pub(super) pieces: Vec<Piece>,

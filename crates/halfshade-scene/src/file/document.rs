@@ -125,7 +125,7 @@ pub(super) struct AnimationTable {
     pub(super) frame_count: At<i64>,
 }
 
-/// What a mesh is read from, and how.
+/// Source of a mesh, and how it is read.
 pub(super) type MeshKey = (PathBuf, Option<crate::mesh::Animation>, Option<crate::mesh::ColorEncoding>);
 
 /// Meshes read so far: objects that share all of the key share the mesh and its skin.

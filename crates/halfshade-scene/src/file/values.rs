@@ -9,7 +9,7 @@ use toml::Spanned;
 
 type Result<T> = std::result::Result<T, SceneError>;
 
-/// What to do about a scene too large to compute with.
+/// Remedy for a scene too large to compute with.
 const IF_LARGER: &str = "; choose a larger unit of length if the scene is that large";
 
 /// A whole number within a range, or its default.

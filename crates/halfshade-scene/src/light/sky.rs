@@ -59,7 +59,7 @@ impl Sky {
         DVec3::new(cos_elevation * sin_azimuth, sin_elevation, -cos_elevation * cos_azimuth)
     }
 
-    /// What is wrong with the parameters, if anything.
+    /// Error for parameters that no sky has.
     fn check(&self) -> Result<(), SceneError> {
         let wrong = |problem: String| Err(SceneError::new(problem));
         if !(self.sun_elevation_degrees > 0.0 && self.sun_elevation_degrees <= 90.0) {

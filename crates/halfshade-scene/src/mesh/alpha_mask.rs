@@ -1,9 +1,9 @@
-//! What cuts holes into triangles.
+//! Masks that cut holes into triangles.
 
 use crate::Texture;
 use std::sync::Arc;
 
-/// What cuts holes into triangles: alpha below a cutoff.
+/// A mask that cuts holes into triangles: alpha below a cutoff.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AlphaMask {
     /// Alpha, in all channels, by the mesh's texture coordinates; 1 without one.

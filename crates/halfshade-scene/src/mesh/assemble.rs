@@ -11,7 +11,7 @@ use std::sync::Arc;
 /// Coordinates beyond this would overflow f32 once multiplied three times, as volumes are.
 pub(crate) const LARGEST_COORDINATE: f32 = 1e12;
 
-/// What loaders return: unchecked.
+/// A mesh as loaders return it: unchecked.
 #[derive(Debug, Clone, Default)]
 pub(super) struct RawMesh {
     /// Positions as read.
@@ -37,9 +37,9 @@ pub(super) struct RawMesh {
     /// Whether a vertex has the normal of its triangle, which no other has, also when the mesh deforms; empty, or one per
     /// position.
     pub(super) flat: Vec<bool>,
-    /// What the file calls a vertex's place, for messages: its line number by vertex, where there are lines.
+    /// Line number of each vertex, for messages, where the file has lines.
     pub(super) lines: Vec<usize>,
-    /// What was left out or guessed, for people.
+    /// Notes on what was left out or guessed, for people.
     pub(super) notes: Vec<String>,
 }
 
@@ -55,7 +55,7 @@ pub(super) struct RawMorph {
 pub(super) struct RawShift {
     pub(super) vertex: u32,
     pub(super) position: Vec3,
-    /// Of the normal, while that is `from`.
+    /// Shift of the normal, while that is `from`.
     pub(super) normal: Vec3,
     pub(super) from: Vec3,
 }
@@ -70,7 +70,7 @@ pub(super) struct Assembled {
     pub(super) morphs: Vec<MorphTarget>,
     /// Triangles whose corners have their normals, also when the mesh deforms.
     pub(super) flat_triangles: Vec<u32>,
-    /// What was left out, guessed and repaired, for people.
+    /// Notes on what was left out, guessed and repaired, for people.
     pub(super) notes: Vec<String>,
 }
 

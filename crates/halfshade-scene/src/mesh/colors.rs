@@ -35,7 +35,7 @@ pub(super) struct FileColors {
     pub(super) values: Vec<Option<Vec3>>,
 }
 
-/// What of a colour may be rounding.
+/// Deviation of a colour that may be rounding.
 const ROUNDING: f32 = 1e-3;
 
 impl FileColors {

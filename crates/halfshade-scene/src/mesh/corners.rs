@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-/// What a corner names, counted from 1; 0: nothing.
+/// Indices that a corner names, counted from 1; 0: none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) struct Corner {
     /// Its position, never 0.
@@ -44,7 +44,7 @@ impl Corners {
         vertex
     }
 
-    /// What the vertices name.
+    /// Indices that each vertex names.
     pub(super) fn vertices(&self) -> &[Corner] {
         &self.vertices
     }

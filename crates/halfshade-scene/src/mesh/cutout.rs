@@ -9,7 +9,7 @@ impl Mesh {
         !self.masks.is_empty()
     }
 
-    /// What cuts holes into a triangle.
+    /// The mask that cuts holes into a triangle.
     pub fn mask_of(&self, triangle: usize) -> Option<&AlphaMask> {
         if self.masks.is_empty() {
             return None;

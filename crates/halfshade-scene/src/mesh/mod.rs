@@ -50,7 +50,7 @@ pub struct Mesh {
     pub textures: Vec<Arc<Texture>>,
     /// Vertex indices of each triangle, each below `positions.len()`.
     pub triangles: Vec<[u32; 3]>,
-    /// What cuts holes into triangles; empty, or all that `coverage` names.
+    /// Masks that cut holes into triangles; empty, or all that `coverage` names.
     pub masks: Vec<AlphaMask>,
     /// Alpha of vertices, in [0, 1], and the number of their mask, the same at the three corners of a triangle; a number
     /// that masks don't have stands for none. Empty, or one per position.

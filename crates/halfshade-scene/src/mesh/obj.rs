@@ -64,7 +64,7 @@ pub(super) fn parse(bytes: &[u8], told: Option<ColorEncoding>) -> Result<RawMesh
     reader.into_mesh(told)
 }
 
-/// What has been read so far.
+/// The file's elements read so far.
 struct Reader<'a> {
     words: Words<'a>,
     positions: Vec<Vec3>,
@@ -212,7 +212,7 @@ impl<'a> Reader<'a> {
                 let problem = format!("`{}` names a vertex before the first", shown(word));
                 return Err(self.wrong(problem).with_remedy("indices count from 1"));
             }
-            // What is larger can't exist, and is told so at the end.
+            // A larger index can't exist, and is told so at the end.
             named[place] = u32::try_from(index).unwrap_or(u32::MAX);
             if index > self.largest[place].0 {
                 self.largest[place] = (index, self.words.line());

@@ -4,7 +4,7 @@ use super::doubled_area_vector;
 use earcut::Earcut;
 use glam::{DVec3, Vec3};
 
-/// What a polygon's area may change by cutting, as a fraction of it: coordinates in f32 aren't quite in a plane.
+/// Change of a polygon's area by cutting that is allowed, as a fraction of it: coordinates in f32 aren't quite in a plane.
 const AREA_TOLERANCE: f64 = 1e-6;
 
 /// More corners than the ear cutter can count; such a polygon is cut as a fan.
@@ -74,7 +74,7 @@ impl Cutter {
         }));
     }
 
-    /// What people should know.
+    /// A note on polygons that cross themselves.
     pub(super) fn note(&self) -> Option<String> {
         (self.crossing > 0)
             .then(|| format!("polygons that cross themselves, cut into triangles somehow: {}", self.crossing))

@@ -1,4 +1,4 @@
-//! What a surface encloses: edges, bodies, volume, area. The report on which a sphere set is built.
+//! Topology of a surface: edges, bodies, volume, area. The report on which a sphere set is built.
 
 use super::orient::{Orientation, orient};
 use super::{Mesh, Welded, doubled_area_vector, weld};
@@ -102,7 +102,7 @@ impl Topology {
             && self.volume > 0.0
     }
 
-    /// What is wrong, for people; empty for a closed, consistent, outward surface.
+    /// Faults of the surface, for people; empty for a closed, consistent, outward one.
     pub fn problems(&self) -> Vec<String> {
         let mut problems = Vec::new();
         let mut say = |count: usize, what: &str| {

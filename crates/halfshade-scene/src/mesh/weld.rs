@@ -51,7 +51,7 @@ pub fn weld(mesh: &Mesh) -> Welded {
     welded
 }
 
-/// What makes two positions equal: their bits, except that -0 is 0.
+/// Key that equal positions share: their bits, except that -0 is 0.
 pub(super) fn position_key(position: Vec3) -> [u32; 3] {
     position.to_array().map(|x| (x + 0.0).to_bits())
 }

@@ -21,7 +21,7 @@ impl<'a> Words<'a> {
         self.line
     }
 
-    /// What is still to be read.
+    /// Bytes still to be read.
     pub(super) fn rest(&self) -> &'a [u8] {
         &self.bytes[self.at..]
     }
@@ -143,7 +143,7 @@ pub(super) fn number<T: FromStr + From<f32>>(word: &[u8]) -> Option<T> {
     (starts_with(b"nan(") || starts_with(b"1.#")).then(|| T::from(f32::NAN))
 }
 
-/// What to do about a word that is no number.
+/// Remedy for a word that is no number.
 pub(super) fn remedy_for(word: &[u8]) -> &'static str {
     if word.contains(&b',') {
         "write numbers with a decimal point and blanks between them, without commas"

@@ -1,4 +1,4 @@
-//! What a receiver sees of a sphere that cuts its tangent plane, or that contains it ([Guerrero2007, 4.2]).
+//! View from a receiver of a sphere that cuts its tangent plane, or that contains it ([Guerrero2007, 4.2]).
 //!
 //! A bounding sphere set contains the surface that it bounds, so that every receiver lies inside some sphere of its own
 //! object; such spheres must not darken it. The rules of [Guerrero2007, 4.2] (after Ren et al. 2006) adjust each sphere

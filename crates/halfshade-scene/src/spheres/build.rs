@@ -150,7 +150,7 @@ impl SphereSet {
                     published.clone()
                 };
                 [published, polished].map(|balls| {
-                    // What counts is the volume after bounding, not before.
+                    // The volume after bounding counts, not that before.
                     let mut bounded = balls.clone();
                     grow_to_cover(&mesh.corners, &mut bounded, 10.0 * COVER_TOLERANCE, |r| r);
                     (measured.columns.union_outside(&bounded), balls)

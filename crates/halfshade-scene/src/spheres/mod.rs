@@ -48,7 +48,7 @@ pub struct SphereSet {
     /// By how much radii had to grow, after optimization over samples, so that the triangles are bounded: the largest
     /// growth as a fraction of the mesh's bounding-box diagonal.
     pub growth: f64,
-    /// What the user should know about the mesh: not closed, no volume.
+    /// Notes on the mesh for the user: not closed, no volume.
     pub notes: Vec<String>,
 }
 

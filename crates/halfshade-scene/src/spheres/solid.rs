@@ -294,7 +294,7 @@ impl Traced {
         }
     }
 
-    /// What the line nearest to `point` says, if it is sound.
+    /// Answer of the line nearest to `point`, if it is sound.
     fn says(&self, point: DVec3) -> Option<bool> {
         let (across, along) = split(point, self.axis);
         let line = [across.x, across.y].map(|x| first_line_at_or_after(x - 0.5 * self.step, self.step));

@@ -24,7 +24,7 @@ const ROUNDS: usize = 25;
 /// Radii at which a centre's outside volume is tabulated for the flood fill.
 const PROFILE: usize = 24;
 
-/// What the spheres are fitted to.
+/// The shape to which spheres are fitted.
 pub(super) struct Target<'a> {
     /// The inside of the mesh.
     pub(super) solid: &'a Columns,

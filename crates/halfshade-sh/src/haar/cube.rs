@@ -13,7 +13,7 @@ impl Cube {
     /// Most levels: a texel's number must fit into 16 bits.
     pub const MOST_LEVELS: u32 = 6;
 
-    /// Of `levels` halvings of a face, at most [`MOST_LEVELS`](Self::MOST_LEVELS).
+    /// A cube with `levels` halvings of a face, at most [`MOST_LEVELS`](Self::MOST_LEVELS).
     pub const fn new(levels: u32) -> Self {
         Self { levels: if levels > Self::MOST_LEVELS { Self::MOST_LEVELS } else { levels } }
     }

@@ -1,4 +1,4 @@
-//! What a kernel needs of a number: one f32, one f64 or eight f32 side by side.
+//! Numbers of a kernel: one f32, one f64 or eight f32 side by side.
 
 use std::ops::{Add, Mul, Sub};
 use wide::f32x8;

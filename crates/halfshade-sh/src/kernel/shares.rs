@@ -103,7 +103,7 @@ impl ExposedShares {
                 while bits != 0 {
                     let other = &self.caps[64 * word + bits.trailing_zeros() as usize];
                     bits &= bits - 1;
-                    // What a point stands for, or the other cap if that is larger.
+                    // The cap that a point stands for, or the other cap if that is larger.
                     let inverse = other.inverse_versine.min(f32x8::splat(points) * cap.inverse_versine);
                     let peak = other.versine * inverse;
                     // Twice the versine is the squared distance.

@@ -35,9 +35,9 @@ impl Lobe8 {
         self.scale * f32x8::splat(TAU) / (f32x8::ONE + clamped(self.exponent))
     }
 
-    /// What `|∫ a b dω|` never exceeds but by rounding: see [`product_bound`](super::product_bound).
+    /// Bound that `|∫ a b dω|` never exceeds but by rounding: see [`product_bound`](super::product_bound).
     ///
-    /// Half the time of a product, and no table: lanes below the threshold of [Meunier2009, 4.3] need no product.
+    /// Cheaper than a product, and without a table: lanes below the threshold of [Meunier2009, 4.3] need no product.
     #[inline(always)]
     pub fn product_bound(&self, other: &Self) -> f32x8 {
         let (e1, e2) = (clamped(self.exponent), clamped(other.exponent));
@@ -49,7 +49,7 @@ impl Lobe8 {
 impl LobeTable {
     /// `a·b` as lobes: the twin of [`product`](super::product), with the errors of `table.rs`.
     ///
-    /// Of opposite axes nothing is left but rounding, and what is below 1e-34 of the scales is 0. Axes that are not of unit
+    /// The product of opposite axes is rounding only, and below 1e-34 of the scales it is 0. Axes that are not of unit
     /// length, or not finite, give some answer and no panic.
     #[inline(always)]
     pub fn product8(&self, a: &Lobe8, b: &Lobe8) -> Lobe8 {
@@ -127,7 +127,7 @@ struct Saddle8 {
     sine: f32x8,
     cosines: f32x8,
     sines: f32x8,
-    /// Of the cosines.
+    /// Inverse of the cosines.
     inverse: f32x8,
 }
 
@@ -239,7 +239,7 @@ mod tests {
                 let reach = random.random_range(0.0..4.0) / (1.0 + exponents[0].min(exponents[1])).sqrt();
                 let near = super::super::pair::unit(std::array::from_fn(|i| axis[i] + reach * other[i]));
                 let lobe = |axis: [f64; 3], exponent: f64, scale: f64| {
-                    // What f32 can hold, so that only the computation differs.
+                    // Numbers that f32 can hold, so that only the computation differs.
                     let round = |x: f64| f64::from(x as f32);
                     Lobe { axis: axis.map(round), exponent: round(exponent), scale }
                 };

@@ -180,7 +180,7 @@ mod tests {
         close(scaled(CapFit::ScaledSolidAngle), (2.5129, 1.2564));
     }
 
-    /// What the fits cost and keep: the figures in the documentation.
+    /// Errors of the fits, and the volume that they keep: the figures in the documentation.
     #[test]
     fn fits_compare_as_documented() {
         for radius in [1e-3, 0.1, 0.5, 1.0, 1.4] {

@@ -61,7 +61,7 @@ pub(super) fn nonnegative_least_squares(gram: &DMatrix<f64>, target: &[f64]) -> 
 /// The coefficients of some columns alone; `None` if they depend on each other.
 fn solve(gram: &DMatrix<f64>, target: &[f64], active: &[usize]) -> Option<DVector<f64>> {
     let count = active.len();
-    // Of columns of unit length: then what is left of one beside all others tells whether it depends on them.
+    // Columns of unit length: what is left of one beside all others then tells whether it depends on them.
     let length: Vec<f64> = active.iter().map(|&i| gram[(i, i)].sqrt()).collect();
     let scaled = DMatrix::from_fn(count, count, |a, b| gram[(active[a], active[b])] / (length[a] * length[b]));
     let factors = scaled.cholesky()?;

@@ -94,7 +94,7 @@ impl Pair {
             (sine + mass * s, cosine + mass * c)
         });
         let longitude = middle + sine.atan2(cosine);
-        // What the length lacks of 1, in the plane and across it: small for narrow lobes, so not by a difference.
+        // One less the length, in the plane and across it: small for narrow lobes, so not by a difference.
         let lack = |(angle, mass): (&f64, &f64)| 2.0 * mass * (0.5 * (angle - longitude)).sin().powi(2);
         let along = points().map(lack).sum::<f64>() / self.plane.total();
         let sum = self.e1 + self.e2;
@@ -127,7 +127,7 @@ fn pair(a: &Lobe, b: &Lobe) -> Option<Pair> {
     (pair.n().is_finite() && pair.plane.total() > 0.0).then_some(pair)
 }
 
-/// `a·b` as a lobe, fitted directly: about 20 µs. [`LobeTable`](super::LobeTable) has it tabulated.
+/// `a·b` as a lobe, fitted directly. [`LobeTable`](super::LobeTable) has it tabulated.
 ///
 /// Lobes of opposite axes, or so narrow and far apart that nothing of the product is left in f64, give scale 0. Axes need
 /// not be normalized; exponents are clamped to [0, [`MAX_EXPONENT`](super::MAX_EXPONENT)]. Every rule keeps a lobe that is

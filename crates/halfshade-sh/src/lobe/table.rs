@@ -14,7 +14,7 @@
 //! because a peak's place near the edge of a lobe goes with the root of that lobe's exponent. All is symmetric in the two
 //! lobes, so half of the pairs of exponents is kept.
 //!
-//! What stays rough is the published rule where an exponent is near 0, since its axis then moves onto the edge of that
+//! The published rule stays rough where an exponent is near 0, since its axis then moves onto the edge of that
 //! lobe, and depends on the order of the limits where both are.
 
 use super::ProductRule;
@@ -44,7 +44,7 @@ const NEARLY_ONE: f64 = 1.0 - 1e-6;
 
 /// Products of two lobes by one rule: axis, exponent, scale and integral for eight pairs at a time, 488 KiB.
 ///
-/// Built in parallel, under a second on two cores; the same bits on any number of threads.
+/// Built in parallel; the same bits on any number of threads.
 #[derive(Debug, Clone)]
 pub struct LobeTable {
     rule: ProductRule,

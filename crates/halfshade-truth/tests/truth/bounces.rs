@@ -152,7 +152,7 @@ fn a_disc_lights_a_patch_by_its_form_factor() {
     let found = run(&scene, &receivers, &bounced(1, 4096));
     for (i, height) in heights.into_iter().enumerate() {
         let factor = 1.0 / (1.0 + height * height);
-        // What the disc doesn't hide of the sky below is seen directly.
+        // The sky below that the disc doesn't hide is seen directly.
         let expected = albedo * factor + Vec3::splat(1.0 - factor);
         let allowed = 4.0 * found.standard_error.at(i) + Vec3::splat(2e-3);
         assert!((found.radiance.at(i) - expected).abs().cmple(allowed).all(), "{height}: {}", found.radiance.at(i));

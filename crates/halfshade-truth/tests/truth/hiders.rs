@@ -1,4 +1,4 @@
-//! What hides the light, where it is plain to see.
+//! Hiders of the light, where they are plain to see.
 
 use crate::scenes::{ball, object, on_the_ground, scene, square};
 use glam::Vec3;

@@ -155,7 +155,7 @@ fn every_channel_is_as_it_is_alone() {
     }
 }
 
-/// What shines shines as if all did, and nobody else is changed by it but by what it reflects onto them.
+/// A glossy object shines as if all did, and nobody else is changed by it but by what it reflects onto them.
 #[test]
 fn one_glossy_object_among_many() {
     let light = || Environment { sun: sun(Vec3::splat(20.0)), ..map(|i| Vec3::splat(1.0 + (i % 5) as f32)) };

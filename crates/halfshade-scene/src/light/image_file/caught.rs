@@ -8,7 +8,7 @@ thread_local! {
     static IS_CAUGHT: Cell<bool> = const { Cell::new(false) };
 }
 
-/// What `work` returns, or `None` if it panics, of which nothing is printed. For work on this thread that leaves nothing
+/// Result of `work`, or `None` if it panics, of which nothing is printed. For work on this thread that leaves nothing
 /// behind.
 pub(super) fn caught<T>(work: impl FnOnce() -> T) -> Option<T> {
     static HOOK: Once = Once::new();

@@ -1,4 +1,4 @@
-//! What a decoder makes of a file, and what no decoder takes.
+//! Result of decoding a file, and checks that every decoder makes.
 
 use crate::SceneError;
 use glam::{DMat3, Vec3};
@@ -18,13 +18,13 @@ pub(in crate::light) struct Image {
     pub(in crate::light) texels: Vec<Vec3>,
 }
 
-/// What a file holds.
+/// Contents of a file.
 #[derive(Debug)]
 pub(in crate::light) struct Decoded {
     pub(in crate::light) image: Image,
     /// From the file's primaries to Rec. 709; `None` where they are those.
     pub(in crate::light) to_rec709: Option<DMat3>,
-    /// What the user should know.
+    /// Notes for the user.
     pub(in crate::light) notes: Vec<String>,
 }
 

@@ -30,7 +30,7 @@ pub(super) struct Layer {
     /// Places of the channels in the part, one per colour; of luminance alone the same three times.
     pub(super) channels: [usize; 3],
     part_name: String,
-    /// What channels are called before the last dot.
+    /// Names of its channels before the last dot.
     prefix: String,
 }
 
@@ -83,7 +83,7 @@ pub(super) fn choose(headers: &[Header], wanted: Option<&str>) -> Result<(Layer,
     Ok((chosen.clone(), (!others.is_empty()).then(note).into_iter().collect()))
 }
 
-/// What to do where no layer was chosen.
+/// Advice where no layer was chosen.
 fn advice(layers: &[Layer]) -> String {
     match layers.iter().map(Layer::name).find(|name| !name.is_empty()) {
         Some(name) => {

@@ -6,7 +6,7 @@ use super::rgbe::Scanlines;
 use crate::SceneError;
 use glam::Vec3;
 
-/// What the header says.
+/// Contents of the header.
 struct Header {
     /// By what the picture was multiplied.
     applied: Vec3,

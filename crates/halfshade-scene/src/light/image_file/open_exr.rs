@@ -86,7 +86,7 @@ fn check(headers: &[Header], bytes: usize) -> Result<(), SceneError> {
         for size in [header.layer_size, header.shared_attributes.display_window.size] {
             check_size(size.width(), size.height(), bytes)?;
         }
-        // Of each block there is at least its place in the file.
+        // Each block takes at least its place in the file.
         if header.chunk_count > bytes / 8 {
             return Err(SceneError::new(format!("{} blocks are too many for {bytes} bytes", header.chunk_count))
                 .with_remedy("the file was cut short or damaged: get it again"));
@@ -112,7 +112,7 @@ struct Picture {
     origin: [i64; 2],
     /// Bytes of all channels of a pixel.
     bytes_per_pixel: usize,
-    /// Of each colour: bytes of the channels before its own, and its type.
+    /// By colour: bytes of the channels before its own, and its type.
     channels: [(usize, SampleType); 3],
     /// Where blocks were inserted, and how many pixels they have.
     inserted: BTreeSet<(usize, usize)>,

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 /// Most elements of an accessor that has no data of its own and is all zero, but for what a sparse list replaces.
 const MOST_ZEROS: usize = 1 << 24;
 
-/// What whole numbers mean in an accessor.
+/// Meaning of whole numbers in an accessor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Whole {
     /// Themselves.

@@ -103,7 +103,7 @@ fn with_empty_scenes(text: &[u8]) -> Option<Root> {
         };
         scene.as_object_mut()?.entry("nodes").or_insert_with(nodes);
     }
-    // What else is wrong isn't to be lost on the way: a value forgets keys that are there twice.
+    // Other faults mustn't be lost on the way: a value forgets keys that are there twice.
     if is_mended { deserialize::from_value(value).ok() } else { None }
 }
 

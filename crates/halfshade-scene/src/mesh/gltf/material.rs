@@ -17,7 +17,7 @@ pub(super) struct Surface<'a> {
     cutoff: f32,
 }
 
-/// What alpha does to a primitive.
+/// Effect of alpha on a primitive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Coverage {
     /// Nothing.
@@ -31,7 +31,7 @@ pub(super) enum Coverage {
 }
 
 impl<'a> Surface<'a> {
-    /// Of the material that a primitive has. Where diffuse colour and gloss are given, that is what is read.
+    /// Albedo and alpha of the material that a primitive has. Where diffuse colour and gloss are given, those are read.
     pub(super) fn new(material: &Material<'a>) -> Self {
         let (factor, texture) = match material.pbr_specular_glossiness() {
             Some(surface) => (surface.diffuse_factor(), surface.diffuse_texture()),
@@ -71,7 +71,7 @@ impl<'a> Surface<'a> {
         (self.factor * of_vertex).truncate().clamp(DVec3::ZERO, DVec3::ONE)
     }
 
-    /// What alpha does, where vertices have alpha from `least` to `most`, times the factor's.
+    /// Effect of alpha where vertices have alpha from `least` to `most`, times the factor's.
     pub(super) fn coverage(
         &self,
         [least, most]: [f32; 2],

@@ -44,9 +44,9 @@ pub(super) enum Placement<'a> {
     Each(&'a [DMat4]),
 }
 
-/// What became of a primitive that was put into a mesh.
+/// Result of putting a primitive into a mesh.
 pub(super) struct Placed {
-    /// Of each new vertex, which one of the primitive it is.
+    /// Vertex of the primitive by new vertex.
     pub(super) sources: Vec<u32>,
     pub(super) coverage: Coverage,
 }
@@ -68,7 +68,7 @@ impl<'a> Part<'a> {
         let positions = vectors(&accessor, buffers).map_err(|error| about(&Semantic::Positions, error))?;
         let count = positions.len();
         let normals = attribute(&Semantic::Normals).map(|accessor| {
-            // What isn't finite is of no use, but there are smooth normals to put in its place.
+            // Normals that aren't finite are of no use, but there are smooth ones to put in their place.
             let list = any_numbers::<3>(&accessor, buffers, Dimensions::Vec3, Whole::AsDeclared)?;
             let sound = |n: [f64; 3]| DVec3::from(n).normalize_or_zero();
             of_count(list.into_iter().map(sound).collect(), count)
@@ -272,7 +272,7 @@ impl Placement<'_> {
     }
 }
 
-/// What turns normals: they are covectors, and cofactors keep them upright under any scale, even a singular one.
+/// Matrix that turns normals: they are covectors, and cofactors keep them upright under any scale, even a singular one.
 pub(super) fn cofactors(matrix: &DMat4) -> DMat3 {
     let m = DMat3::from_mat4(*matrix);
     let sign = if matrix.determinant() < 0.0 { -1.0 } else { 1.0 };

@@ -63,7 +63,7 @@ pub(super) struct Skeleton<'a> {
 /// How a mesh hangs on the skeleton.
 struct Binding {
     world_from_mesh: DMat4,
-    /// Of each joint of the skin its node and `B_j · G⁻¹`; empty where the mesh follows `joints[0]` as a whole.
+    /// Node and `B_j · G⁻¹` of each joint of the skin; empty where the mesh follows `joints[0]` as a whole.
     nodes: Vec<(usize, DMat4)>,
     /// The number of each among the skeleton's joints, once a vertex has asked for it.
     joints: Vec<Option<u16>>,
@@ -130,7 +130,7 @@ impl<'a> Skeleton<'a> {
         Ok((number, self.bindings[number].world_from_mesh))
     }
 
-    /// What moves the vertices of a primitive of a mesh so bound.
+    /// Joints and weights of the vertices of a primitive of a mesh so bound.
     pub(super) fn influences(
         &mut self,
         binding: usize,

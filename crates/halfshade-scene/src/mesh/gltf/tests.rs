@@ -74,7 +74,7 @@ fn textured(image: &str, info: &str, png: &[u8]) -> Vec<u8> {
 
 const EMBEDDED: &str = r#""bufferView":3,"mimeType":"image/png""#;
 
-/// What the texture of each vertex says there.
+/// Colour of each vertex by its texture.
 fn colors_of(raw: &RawMesh) -> Vec<Vec3> {
     let color = |c: &Vec3| raw.textures[c.z as usize].at(c.truncate().as_dvec2());
     raw.texture_coordinates.iter().map(color).collect()

@@ -21,7 +21,7 @@ pub(super) struct Textures<'a> {
     pub(super) masks: Vec<AlphaMask>,
     /// The place in `list` of each texture of the document; of `None`, that of a white one, for parts without.
     number_of: HashMap<Option<usize>, usize>,
-    /// Of each texture read so far.
+    /// Alpha of each texture read so far.
     alpha_of: HashMap<usize, Alpha>,
 }
 
@@ -125,7 +125,7 @@ impl<'a> Textures<'a> {
     }
 }
 
-/// What a sampler has beyond the edges, along rows and columns.
+/// Wrapping of a sampler along rows and columns.
 fn wrap_of(sampler: &Sampler<'_>) -> [Wrap; 2] {
     [sampler.wrap_s(), sampler.wrap_t()].map(|mode| match mode {
         WrappingMode::ClampToEdge => Wrap::Clamp,

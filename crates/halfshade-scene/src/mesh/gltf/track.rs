@@ -1,4 +1,4 @@
-//! What a glTF animation says about one node: channels, and the keyframes that they become.
+//! Animation of one glTF node: channels, and the keyframes that they become.
 //!
 //! A [`Motion`] has keys of whole poses. Channels of one node have times of their own, so the pose is taken at all times at
 //! which any of them needs a key:

@@ -1,4 +1,4 @@
-//! What the URIs of a document name: files beside it, or data within it.
+//! Content of the URIs of a document: files beside it, or data within it.
 
 use crate::SceneError;
 use ::gltf::buffer::{Data, Source};
@@ -32,7 +32,7 @@ pub(super) fn bytes(uri: &str, folder: &Path) -> Result<Vec<u8>, SceneError> {
     })
 }
 
-/// What a data URI holds. The crate fills up to a multiple of four bytes, which is undone.
+/// Content of a data URI. The crate fills up to a multiple of four bytes, which is undone.
 fn data(uri: &str, folder: &Path) -> Result<Vec<u8>, SceneError> {
     let Some((_, digits)) = uri.split_once(";base64,") else {
         return Err(SceneError::new("it is not base64").with_remedy("export again with files beside the .gltf file"));

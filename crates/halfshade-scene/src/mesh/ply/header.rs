@@ -107,7 +107,7 @@ impl Header {
                     .with_remedy("get the file again"));
             }
             let line: Vec<&[u8]> = match words.word() {
-                // What follows may be of any length.
+                // The words that follow may be of any length.
                 Some(first @ (b"comment" | b"obj_info")) => vec![first],
                 first => first.into_iter().chain(std::iter::from_fn(|| words.word())).take(6).collect(),
             };

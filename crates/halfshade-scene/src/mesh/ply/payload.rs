@@ -1,4 +1,4 @@
-//! What follows the header of a PLY file: numbers, in text or binary.
+//! Numbers after the header of a PLY file, in text or binary.
 
 use super::header::{Element, Format, Type};
 use crate::SceneError;
@@ -143,7 +143,7 @@ impl<'a> Payload<'a> {
         Ok(length as usize)
     }
 
-    /// What is left after the last element, for people: nothing should be.
+    /// A note on what is left after the last element, where nothing should be.
     pub(super) fn check_end(mut self) -> Result<Option<String>, SceneError> {
         self.begin();
         match self {
