@@ -3,9 +3,9 @@
 //! `elements` are pairs of lobes. Inputs change from call to call, so that lookups don't stay in one place of the table.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use halfshade_sh::kernel::CapBatch;
+use halfshade_sh::kernel::SphericalCap8;
 use halfshade_sh::lobe::accuracy;
-use halfshade_sh::lobe::{CapFit, CapTable, Lobe8, LobeTable, ProductRule, product, product_integral};
+use halfshade_sh::lobe::{CapFit, CapLobeTable, Lobe8, LobeTable, ProductRule, product, product_integral};
 use std::hint::black_box;
 use wide::f32x8;
 
@@ -40,8 +40,8 @@ fn lobes(c: &mut Criterion) {
     let table = LobeTable::build(ProductRule::Moments);
     group.bench_function("integral of product", |b| b.iter(|| sum(&|a, b| table.product_integral8(a, b))));
     group.bench_function("bound of product", |b| b.iter(|| sum(&|a, b| a.product_bound(b))));
-    let caps = CapTable::build(CapFit::LeastSquares);
-    let cap = |a: &Lobe8| CapBatch { direction: a.axis, versine: f32x8::ONE / (f32x8::ONE + a.exponent) };
+    let caps = CapLobeTable::build(CapFit::LeastSquares);
+    let cap = |a: &Lobe8| SphericalCap8 { direction: a.axis, versine: f32x8::ONE / (f32x8::ONE + a.exponent) };
     group.bench_function("cap", |b| b.iter(|| sum(&|a, _| caps.lookup(&cap(a)).exponent)));
     group.finish();
 

@@ -5,7 +5,7 @@
 //! spheres of one object are.
 
 use halfshade_sh::exponential::{self, Exponential, Method};
-use halfshade_sh::kernel::{CapBatch, ExposedShares};
+use halfshade_sh::kernel::{ExposedShares, SphericalCap8};
 use halfshade_sh::logarithm::DEFAULT_CLIP;
 use halfshade_sh::quadrature::SphereQuadrature;
 use halfshade_sh::{basis, zonal, zonal_algebra};
@@ -40,7 +40,8 @@ fn crowd(random: &mut Pcg64Mcg, count: usize) -> Vec<Cap> {
 
 /// `1 - Σ w_i cap_i` with the caps' exposed shares.
 fn by_shares(bands: usize, caps: &[Cap], points: usize) -> Vec<f64> {
-    let batch: Vec<CapBatch> = caps.iter().map(|&(direction, radius)| CapBatch::splat(direction, radius)).collect();
+    let batch: Vec<SphericalCap8> =
+        caps.iter().map(|&(direction, radius)| SphericalCap8::splat(direction, radius)).collect();
     let mut exposed = ExposedShares::new(points, caps.len());
     let shares = exposed.evaluate(batch);
     caps.iter().zip(shares).fold(basis::one(bands), |mut visibility, (&(axis, radius), share)| {

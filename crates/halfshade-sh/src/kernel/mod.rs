@@ -5,14 +5,14 @@
 //! have the same bits however receivers are grouped.
 
 mod exponential;
+mod exposed_shares;
 mod lane;
-mod shares;
 mod straight_line;
 mod table;
 
 pub use exponential::{BatchExponential, FULL, dot, limit_to_visibility};
+pub use exposed_shares::{ExposedShares, SphericalCap8};
 pub use lane::Lane;
-pub use shares::{CapBatch, ExposedShares};
 pub use straight_line::{accumulate_lobe, basis, product, product_one, square, square_one, times_bands};
 
 use wide::f32x8;

@@ -1,7 +1,7 @@
 //! Cosine lobes, `c(v) = s·max(a·v, 0)^e`: products, integrals, and the lobe that stands for a cap [Meunier2009, 4 and 5.2].
 //!
 //! [`Lobe`] with [`product`], [`product_integral`] and [`cap_lobe`] is the f64 reference, a quadrature per call. [`Lobe8`]
-//! with [`LobeTable`] and [`CapTable`] is what runs per receiver: reflectance times light by [`LobeTable::product8`], then
+//! with [`LobeTable`] and [`CapLobeTable`] is what runs per receiver: reflectance times light by [`LobeTable::product8`], then
 //! with every visibility lobe [`LobeTable::product_integral8`], skipped where [`Lobe8::product_bound`] is below a threshold.
 //! [`LobeSum`] is light from infinitely far as lobes.
 //!
@@ -11,8 +11,8 @@
 
 pub mod accuracy;
 mod batch;
-mod cap;
-mod cap_table;
+mod cap_lobe;
+mod cap_lobe_table;
 mod fit;
 mod nonnegative;
 mod pair;
@@ -22,8 +22,8 @@ mod radiance;
 mod table;
 
 pub use batch::Lobe8;
-pub use cap::{CapFit, cap_distance, cap_lobe};
-pub use cap_table::CapTable;
+pub use cap_lobe::{CapFit, cap_distance, cap_lobe};
+pub use cap_lobe_table::CapLobeTable;
 pub use product::{ProductRule, product, product_bound, product_integral};
 pub use radiance::{ColoredLobe, LobeSum};
 pub use table::LobeTable;

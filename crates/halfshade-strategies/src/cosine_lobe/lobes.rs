@@ -2,8 +2,8 @@
 
 use super::square::{LitCell, Square};
 use halfshade_sh::{
-    kernel::CapBatch,
-    lobe::{CapTable, Lobe, Lobe8, LobeTable, MAX_EXPONENT},
+    kernel::SphericalCap8,
+    lobe::{CapLobeTable, Lobe, Lobe8, LobeTable, MAX_EXPONENT},
 };
 use std::f32::consts::{FRAC_PI_2, SQRT_2, TAU};
 use wide::f32x8;
@@ -15,9 +15,9 @@ pub(super) enum Shape<'a> {
     /// largest exponent, as faint as it is too wide.
     Part,
     /// That of a cap of its solid angle.
-    SolidAngle(&'a CapTable),
+    SolidAngle(&'a CapLobeTable),
     /// That of the cap of the cell's bounding sphere.
-    Bounding(&'a CapTable),
+    Bounding(&'a CapLobeTable),
 }
 
 /// Lobes of cells, kept between uses.
@@ -83,14 +83,14 @@ impl CellLobes {
             }
             Shape::SolidAngle(caps) => {
                 let versine = solid_angle() * f32x8::splat(TAU.recip());
-                let lobe = caps.lookup(&CapBatch { direction, versine });
+                let lobe = caps.lookup(&SphericalCap8 { direction, versine });
                 Lobe8 { scale: lobe.scale * weight, ..lobe }
             }
             Shape::Bounding(caps) => {
                 let half = (stretch * size).fast_min(f32x8::splat(FRAC_PI_2)) * f32x8::splat(0.5);
                 let half_sine = half.sin();
                 let versine = half_sine * half_sine * f32x8::splat(2.0);
-                let lobe = caps.lookup(&CapBatch { direction, versine });
+                let lobe = caps.lookup(&SphericalCap8 { direction, versine });
                 Lobe8 { scale: lobe.scale * weight, ..lobe }
             }
         };

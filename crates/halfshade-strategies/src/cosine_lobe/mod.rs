@@ -103,7 +103,7 @@ use crate::shared::origin::origin_of;
 use blockers::{Body, Spheres, bodies, placed_spheres};
 use environment::Fitted;
 use halfshade_scene::{Environment, EyeLobes, Frame, Progress, RadianceMut, Receivers, Scene, once};
-use halfshade_sh::lobe::{CapTable, LobeTable, ProductRule};
+use halfshade_sh::lobe::{CapLobeTable, LobeTable, ProductRule};
 use halfshade_strategy::{Baked, Detail, Effect, Effects, Footprint, Info, Params, Strategy, StrategyError};
 use light::Light;
 use moment::Moment;
@@ -144,7 +144,7 @@ impl Strategy for CosineLobe {
         progress.start("tables of lobes", 1);
         let settings = Settings::new(params);
         let products = table_of(settings.product);
-        let caps = CapTable::build(settings.fit);
+        let caps = CapLobeTable::build(settings.fit);
         let cells = Cells::new(settings.depth);
         let weights = match settings.order {
             Order::LightFirst => WeightTable::ones(),

@@ -21,8 +21,8 @@ use super::{
     square::{Cells, Square},
 };
 use halfshade_sh::{
-    kernel::CapBatch,
-    lobe::{CapTable, Lobe8, LobeTable},
+    kernel::SphericalCap8,
+    lobe::{CapLobeTable, Lobe8, LobeTable},
 };
 use std::array::from_fn;
 use wide::f32x8;
@@ -42,13 +42,13 @@ pub(super) struct WeightTable([[f32; MAX_DEPTH + 1]; DISTANCES.len()]);
 struct Finding<'a> {
     settings: &'a Settings,
     cells: &'a Cells,
-    caps: &'a CapTable,
+    caps: &'a CapLobeTable,
     table: &'a LobeTable,
 }
 
 impl WeightTable {
     /// Of the published order, for masks as `settings` has them.
-    pub(super) fn new(settings: &Settings, cells: &Cells, caps: &CapTable, table: &LobeTable) -> Self {
+    pub(super) fn new(settings: &Settings, cells: &Cells, caps: &CapLobeTable, table: &LobeTable) -> Self {
         let finding = Finding { settings, cells, caps, table };
         Self(DISTANCES.map(|distance| {
             // tan σ = 1/(2 dist), of a light at distance 1.
@@ -193,9 +193,9 @@ fn solve(mut matrix: [ByLevel; MAX_DEPTH + 1], mut right: ByLevel) -> ByLevel {
 }
 
 /// The light as one lobe in every lane [Meunier2009, eq. 31], radiance apart.
-pub(super) fn light_lobe(square: &Square, caps: &CapTable) -> Lobe8 {
+pub(super) fn light_lobe(square: &Square, caps: &CapLobeTable) -> Lobe8 {
     let direction = square.axis().map(f32x8::splat);
-    caps.lookup(&CapBatch { direction, versine: f32x8::splat(square.versine()) })
+    caps.lookup(&SphericalCap8 { direction, versine: f32x8::splat(square.versine()) })
 }
 
 #[cfg(test)]
@@ -203,10 +203,10 @@ mod tests {
     use super::*;
     use halfshade_strategy::Params;
 
-    fn tables(settings: &str) -> (Settings, Cells, CapTable, LobeTable) {
+    fn tables(settings: &str) -> (Settings, Cells, CapLobeTable, LobeTable) {
         let params = Params::parse(&super::super::parameters::all(), settings).unwrap();
         let settings = Settings::new(&params);
-        let caps = CapTable::build(settings.fit);
+        let caps = CapLobeTable::build(settings.fit);
         (settings, Cells::new(settings.depth), caps, LobeTable::build(settings.product))
     }
 

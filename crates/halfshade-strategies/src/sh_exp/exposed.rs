@@ -3,7 +3,7 @@
 use super::blockers::{Blocker, Seen};
 use super::prepared::Prepared;
 use glam::DMat3;
-use halfshade_sh::kernel::{self, CapBatch, ExposedShares, ShBatch};
+use halfshade_sh::kernel::{self, ExposedShares, ShBatch, SphericalCap8};
 use wide::f32x8;
 
 /// Memory for one batch of receivers, sized by the number of spheres once.
@@ -37,7 +37,7 @@ impl Exposure {
         self.seen.clear();
         self.seen.extend(blockers.iter().filter_map(|blocker| blocker.seen_from(position, normal, prepared.rule)));
         let turn = &self.turn;
-        let caps = self.seen.iter().map(|seen| CapBatch {
+        let caps = self.seen.iter().map(|seen| SphericalCap8 {
             direction: std::array::from_fn(|axis| {
                 let [x, y, z] = seen.direction;
                 turn[3 * axis].mul_add(x, turn[3 * axis + 1].mul_add(y, turn[3 * axis + 2] * z))

@@ -15,14 +15,14 @@ use wide::f32x8;
 
 /// A cap on the sphere of directions, one per lane.
 #[derive(Debug, Clone, Copy)]
-pub struct CapBatch {
+pub struct SphericalCap8 {
     /// Unit directions of the centres.
     pub direction: [f32x8; 3],
     /// `1 - cos` of the angular radius, [0, 1]; 0 in a lane without this cap.
     pub versine: f32x8,
 }
 
-impl CapBatch {
+impl SphericalCap8 {
     /// The same cap in every lane.
     pub fn splat(direction: [f64; 3], radius: f64) -> Self {
         let half_sine = (0.5 * radius).sin();
@@ -41,7 +41,7 @@ const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
 pub struct ExposedShares {
     /// Per point its share of the versine, and the cosine and sine of its turn.
     fan: Vec<[f32; 3]>,
-    caps: Vec<Cap>,
+    caps: Vec<PreparedCap>,
     /// Points of one cap, with the number of caps that each is in.
     points: Vec<([f32x8; 3], f32x8)>,
     /// Bit j of row i: caps i and j may overlap in some lane.
@@ -50,7 +50,7 @@ pub struct ExposedShares {
 }
 
 #[derive(Debug, Clone, Copy)]
-struct Cap {
+struct PreparedCap {
     /// Far away in a lane without this cap.
     direction: [f32x8; 3],
     versine: f32x8,
@@ -84,10 +84,10 @@ impl ExposedShares {
     /// Exactly 1 for a cap that no other touches; k equal caps get 1/k each. The error falls about as 1/points. Lanes
     /// are independent. Time grows with the square of the number of caps, but only those that may overlap in some lane
     /// are tested point by point.
-    pub fn evaluate(&mut self, caps: impl IntoIterator<Item = CapBatch>) -> &[f32x8] {
+    pub fn evaluate(&mut self, caps: impl IntoIterator<Item = SphericalCap8>) -> &[f32x8] {
         let points = self.fan.len() as f32;
         self.caps.clear();
-        self.caps.extend(caps.into_iter().map(|cap| Cap::new(cap, points)));
+        self.caps.extend(caps.into_iter().map(|cap| PreparedCap::new(cap, points)));
         self.find_near();
         self.shares.clear();
         let words = self.caps.len().div_ceil(64).max(1);
@@ -148,9 +148,9 @@ impl ExposedShares {
     }
 }
 
-impl Cap {
+impl PreparedCap {
     #[inline(always)]
-    fn new(CapBatch { direction, versine }: CapBatch, points: f32) -> Self {
+    fn new(SphericalCap8 { direction, versine }: SphericalCap8, points: f32) -> Self {
         let seen = versine.simd_gt(f32x8::ZERO);
         // Rounding must not hide a pair with a membership above 0: then lanes would depend on their neighbours.
         let reach =
@@ -203,7 +203,8 @@ mod tests {
     use crate::quadrature::SphereQuadrature;
 
     fn shares(caps: &[([f64; 3], f64)], points: usize) -> Vec<f64> {
-        let batch: Vec<CapBatch> = caps.iter().map(|&(direction, radius)| CapBatch::splat(direction, radius)).collect();
+        let batch: Vec<SphericalCap8> =
+            caps.iter().map(|&(direction, radius)| SphericalCap8::splat(direction, radius)).collect();
         ExposedShares::new(points, 0).evaluate(batch).iter().map(|share| f64::from(share.to_array()[2])).collect()
     }
 
@@ -248,8 +249,8 @@ mod tests {
             let versine = if (i + lane).is_multiple_of(3) { 0.0 } else { 0.01 * (1 + (i * 5 + lane) % 40) as f32 };
             ([r * cos, z, r * sin].map(|x| x as f32), versine)
         };
-        let caps = |lane_of: &dyn Fn(usize) -> usize| -> Vec<CapBatch> {
-            let batch = |i: usize| CapBatch {
+        let caps = |lane_of: &dyn Fn(usize) -> usize| -> Vec<SphericalCap8> {
+            let batch = |i: usize| SphericalCap8 {
                 direction: std::array::from_fn(|axis| {
                     f32x8::from(std::array::from_fn::<f32, 8, _>(|at| lanes(lane_of(at), i).0[axis]))
                 }),

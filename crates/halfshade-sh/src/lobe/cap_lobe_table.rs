@@ -1,8 +1,8 @@
 //! Lobes for caps by a table, eight at a time.
 
-use super::cap::CapFit;
+use super::cap_lobe::CapFit;
 use super::{Lobe8, MAX_EXPONENT};
-use crate::kernel::CapBatch;
+use crate::kernel::SphericalCap8;
 use wide::f32x8;
 
 /// Intervals: the 1000 values of [Meunier2009, 5.2].
@@ -12,13 +12,13 @@ const INTERVALS: usize = 1000;
 ///
 /// The paper tabulates the exponent, which grows without end for small caps; n v stays between 0.96 and 1.26.
 #[derive(Debug, Clone)]
-pub struct CapTable {
+pub struct CapLobeTable {
     fit: CapFit,
     /// n v, s and their differences to the next value.
     rows: Vec<[f32; 4]>,
 }
 
-impl CapTable {
+impl CapLobeTable {
     /// Tabulates a fit.
     pub fn build(fit: CapFit) -> Self {
         let at = |index: usize| {
@@ -46,7 +46,7 @@ impl CapTable {
     /// The twin of [`cap_lobe`](super::cap_lobe): relative error 2e-5 of exponent + 1 and of scale, 4e-4 for caps
     /// within 1 degree of a hemisphere.
     #[inline(always)]
-    pub fn lookup(&self, cap: &CapBatch) -> Lobe8 {
+    pub fn lookup(&self, cap: &SphericalCap8) -> Lobe8 {
         let versine = cap.versine.max(f32x8::ZERO).fast_min(f32x8::splat(2.0));
         let inside = versine.fast_min(f32x8::ONE);
         let coordinate = inside * f32x8::splat(INTERVALS as f32);
@@ -66,19 +66,19 @@ impl CapTable {
 
 #[cfg(test)]
 mod tests {
-    use super::super::cap::cap_lobe;
+    use super::super::cap_lobe::cap_lobe;
     use super::*;
 
     #[test]
     fn lookups_are_close_at_every_radius() {
         for fit in CapFit::ALL {
-            let table = CapTable::build(fit);
+            let table = CapLobeTable::build(fit);
             assert_eq!((table.fit(), table.bytes()), (fit, 16_000));
             let mut worst = [0.0f64; 2];
             for step in 1..=4000 {
                 let versine = (2.0 * f64::from(step) / 4000.0).powi(4).min(2.0) as f32;
                 let direction = [f32x8::ZERO, f32x8::ZERO, f32x8::ONE];
-                let found = table.lookup(&CapBatch { direction, versine: f32x8::splat(versine) }).lane(4);
+                let found = table.lookup(&SphericalCap8 { direction, versine: f32x8::splat(versine) }).lane(4);
                 let expected = cap_lobe([0.0, 0.0, 1.0], f64::from(versine), fit);
                 let error = |found: f64, expected: f64| (found / expected - 1.0).abs();
                 let error =
@@ -93,9 +93,9 @@ mod tests {
     #[test]
     fn limits_are_defined() {
         for fit in CapFit::ALL {
-            let table = CapTable::build(fit);
+            let table = CapLobeTable::build(fit);
             let versine = f32x8::from([0.0, -1.0, f32::NAN, 1e-12, 1e-30, 1.0, 2.0, f32::INFINITY]);
-            let found = table.lookup(&CapBatch { direction: [f32x8::ONE; 3], versine });
+            let found = table.lookup(&SphericalCap8 { direction: [f32x8::ONE; 3], versine });
             let (exponents, scales) = (found.exponent.to_array(), found.scale.to_array());
             assert_eq!(scales[..3], [0.0; 3]);
             assert!(exponents.iter().all(|e| (0.0..=MAX_EXPONENT as f32).contains(e)), "{exponents:?}");
