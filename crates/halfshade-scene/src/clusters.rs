@@ -69,9 +69,9 @@ pub(crate) fn lloyd(
     let (mut best, mut best_sum, mut without_improvement) = (None, f64::INFINITY, 0);
     for _ in 0..MAX_ROUNDS {
         let assignment = assign(points, &centers);
-        let balls: Vec<(DVec3, f64)> = members(&assignment, count).par_iter().map(|own| bound(own)).collect();
-        centers = balls.iter().map(|ball| ball.0).collect();
-        let sum: f64 = balls.iter().map(|ball| ball.1).sum();
+        let spheres: Vec<(DVec3, f64)> = members(&assignment, count).par_iter().map(|own| bound(own)).collect();
+        centers = spheres.iter().map(|sphere| sphere.0).collect();
+        let sum: f64 = spheres.iter().map(|sphere| sphere.1).sum();
         without_improvement = if sum < best_sum * (1.0 - LEAST_IMPROVEMENT) { 0 } else { without_improvement + 1 };
         if sum < best_sum {
             (best, best_sum) = (Some((assignment, centers.clone())), sum);
@@ -183,7 +183,7 @@ mod tests {
                 let clusters = cluster(positions, object.cluster_count, 1);
                 check(positions, &clusters, object.cluster_count);
                 let whole = cluster(positions, 1, 1);
-                // Half a ball needs as large a sphere as all of it.
+                // Half a sphere needs as large a sphere as all of it.
                 let limit = if object.cluster_count < 4 { 1.0 + 1e-6 } else { 0.95 };
                 assert!(largest(&clusters) <= limit * whole.bounds[0].radius, "{}", object.name);
             }
@@ -224,14 +224,14 @@ mod tests {
         let mut centers = spread_centers(&points, 12, 3);
         let mut before = f64::INFINITY;
         for _ in 0..15 {
-            let balls = members(&assign(&points, &centers), 12).into_iter().map(|own| {
+            let spheres = members(&assign(&points, &centers), 12).into_iter().map(|own| {
                 let own: Vec<DVec3> = own.iter().map(|&k| points[k as usize]).collect();
                 bounding_sphere(&own)
             });
-            let balls: Vec<(DVec3, f64)> = balls.collect();
-            let now = balls.iter().map(|b| b.1).fold(0.0, f64::max);
+            let spheres: Vec<(DVec3, f64)> = spheres.collect();
+            let now = spheres.iter().map(|b| b.1).fold(0.0, f64::max);
             assert!(now <= before * (1.0 + 1e-12), "{now} after {before}");
-            centers = balls.iter().map(|b| b.0).collect();
+            centers = spheres.iter().map(|b| b.0).collect();
             before = now;
         }
     }

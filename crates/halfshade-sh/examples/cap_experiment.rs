@@ -13,9 +13,10 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::f64::consts::PI;
 
-type Cap = ([f64; 3], f64);
+/// A cap of directions: its unit axis and angular radius.
+type SphericalCap = ([f64; 3], f64);
 
-fn spread(random: &mut Pcg64Mcg, count: usize) -> Vec<Cap> {
+fn spread(random: &mut Pcg64Mcg, count: usize) -> Vec<SphericalCap> {
     (0..count)
         .map(|_| {
             let z: f64 = random.random_range(0.0..1.0);
@@ -27,7 +28,7 @@ fn spread(random: &mut Pcg64Mcg, count: usize) -> Vec<Cap> {
 }
 
 /// Overlapping caps within 0.4 rad of one direction.
-fn crowd(random: &mut Pcg64Mcg, count: usize) -> Vec<Cap> {
+fn crowd(random: &mut Pcg64Mcg, count: usize) -> Vec<SphericalCap> {
     let (centre, _) = spread(random, 1)[0];
     (0..count)
         .map(|_| {
@@ -39,7 +40,7 @@ fn crowd(random: &mut Pcg64Mcg, count: usize) -> Vec<Cap> {
 }
 
 /// `1 - Σ w_i cap_i` with the caps' exposed shares.
-fn by_shares(bands: usize, caps: &[Cap], points: usize) -> Vec<f64> {
+fn by_shares(bands: usize, caps: &[SphericalCap], points: usize) -> Vec<f64> {
     let batch: Vec<SphericalCap8> =
         caps.iter().map(|&(direction, radius)| SphericalCap8::splat(direction, radius)).collect();
     let mut exposed = ExposedShares::new(points, caps.len());
@@ -75,7 +76,7 @@ fn main() {
     for limit in [0.25, 1.0, 2.0, 4.8] {
         add(&format!("hybrid, limit {limit}"), Method::Hybrid { magnitude_limit: limit });
     }
-    for (title, set) in [("spread", spread as fn(&mut Pcg64Mcg, usize) -> Vec<Cap>), ("crowded", crowd)] {
+    for (title, set) in [("spread", spread as fn(&mut Pcg64Mcg, usize) -> Vec<SphericalCap>), ("crowded", crowd)] {
         for count in [3, 10, 30, 60] {
             let mut random = Pcg64Mcg::seed_from_u64(2026);
             let mut forms: Vec<Form> = Vec::new();

@@ -23,7 +23,7 @@
 
 use crate::{
     batch::{BATCH, Batch},
-    caps::Caps,
+    blocker_caps::BlockerCaps,
     environment::LUMINANCE,
     glossy::{GlossyIntegral, Way},
     lights::Integral,
@@ -220,7 +220,7 @@ struct Worker<'a> {
     tracer: &'a Tracer,
     options: &'a Options,
     points: &'a Points,
-    caps: Caps,
+    caps: BlockerCaps,
     batch: Batch,
     paths: Paths<'a>,
 }
@@ -233,7 +233,7 @@ impl<'a> Worker<'a> {
         sphere_albedo: Option<&'a SphereAlbedo>,
     ) -> Self {
         let paths = Paths::new(tracer, options, (points, orders), sphere_albedo);
-        Self { tracer, options, points, caps: Caps::default(), batch: Batch::new(), paths }
+        Self { tracer, options, points, caps: BlockerCaps::default(), batch: Batch::new(), paths }
     }
 
     fn value(&mut self, receivers: &Receivers<'_>, i: usize) -> Value {

@@ -36,7 +36,7 @@
 //! ```
 
 mod batch;
-mod caps;
+mod blocker_caps;
 mod directions;
 mod environment;
 mod estimate;

@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 
 /// A sphere or a sun as a receiver sees it.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Cap {
+pub(crate) struct LightCap {
     pub(crate) axes: Axes,
     /// Distance and radius of the sphere in tracing space; infinite and 0 for a sun.
     pub(crate) distance: f64,
@@ -21,7 +21,7 @@ pub(crate) struct Cap {
     pub(crate) radiance: Vec3,
 }
 
-impl Cap {
+impl LightCap {
     /// Whether the receiver is inside.
     pub(crate) fn is_around(&self) -> bool {
         self.distance <= self.radius

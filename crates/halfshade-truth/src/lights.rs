@@ -13,7 +13,7 @@ use crate::{
     batch::{BATCH, Batch},
     directions::Axes,
     environment::MapSampler,
-    light_cap::Cap,
+    light_cap::LightCap,
     map_irradiance::MapIrradiance,
     points::{Scramble, unit_f32},
     receiver::Receiver,
@@ -68,9 +68,9 @@ pub(crate) enum Technique {
     /// Radiance of the map.
     DistantMap,
     /// A cap of constant radiance; the density of cosine sampling is added if `wide`.
-    Cap { cap: Cap, wide: bool },
+    Cap { cap: LightCap, wide: bool },
     /// Cosine over the hemisphere, for a local sphere that is wide or surrounds the receiver.
-    LocalCosine { cap: Cap },
+    LocalCosine { cap: LightCap },
 }
 
 impl Lights {
@@ -140,7 +140,7 @@ impl Lights {
                 Distant::Map(_) => [Some(Technique::DistantCosine), Some(Technique::DistantMap)],
             },
             Integral::Sun => {
-                let cap = self.sun.map(|(direction, angular_radius, radiance)| Cap {
+                let cap = self.sun.map(|(direction, angular_radius, radiance)| LightCap {
                     axes: Axes::around(direction),
                     distance: f64::INFINITY,
                     radius: 0.0,
@@ -155,7 +155,7 @@ impl Lights {
                 let (distance, radius) = (offset.length(), f64::from(light.radius));
                 let sine_squared = (radius / distance).powi(2);
                 let inside = distance <= radius;
-                let cap = Cap {
+                let cap = LightCap {
                     axes: Axes::around(offset.normalize_or(DVec3::Y)),
                     distance: space.length(distance),
                     radius: space.length(radius),

@@ -18,7 +18,7 @@
 
 use crate::{
     batch::Batch,
-    caps::Caps,
+    blocker_caps::BlockerCaps,
     glossy::{GlossyIntegral, Way},
     mixture::Mixture,
     options::{Geometry, Options},
@@ -79,7 +79,7 @@ pub(crate) struct Paths<'a> {
     orders: &'a Orders,
     sphere_albedo: Option<&'a SphereAlbedo>,
     /// Spheres as the receiver and each surface along a path see them.
-    caps: Vec<Caps>,
+    caps: Vec<BlockerCaps>,
     batch: Batch,
     pub(crate) rays: u64,
 }
@@ -91,7 +91,7 @@ impl<'a> Paths<'a> {
         (points, orders): (&'a Points, &'a Orders),
         sphere_albedo: Option<&'a SphereAlbedo>,
     ) -> Self {
-        let caps = (0..=options.bounces).map(|_| Caps::default()).collect();
+        let caps = (0..=options.bounces).map(|_| BlockerCaps::default()).collect();
         Self { tracer, options, points, orders, sphere_albedo, caps, batch: Batch::new(), rays: 0 }
     }
 

@@ -3,7 +3,7 @@
 use crate::{
     batch::{BATCH, Batch},
     environment::MapSampler,
-    light_cap::Cap,
+    light_cap::LightCap,
     points::{Scramble, unit_f32},
 };
 use glam::{DVec3, Vec3};
@@ -16,7 +16,7 @@ pub(crate) enum Source<'a> {
     /// A distant map.
     Map(&'a MapSampler),
     /// A sun or a local sphere.
-    Cap(Cap),
+    Cap(LightCap),
 }
 
 /// Density per steradian with which [`Source::draw`] would have drawn each direction of a batch.

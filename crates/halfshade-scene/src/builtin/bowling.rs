@@ -213,7 +213,7 @@ fn rolling_ball() -> RigidBody {
     let along = (BALL_AIM - BALL_START).normalize() * BALL_SPEED;
     let velocity = Vec3::new(along.x, 0.0, along.y);
     RigidBody {
-        pieces: vec![Piece::Ball(1.0)],
+        pieces: vec![Piece::Sphere(1.0)],
         start: Pose {
             scale: BALL_RADIUS,
             rotation: Quat::from_rotation_x(0.5),

@@ -23,8 +23,8 @@ const GRID: f32 = 4096.0;
 /// A convex piece of a body, in object space.
 #[derive(Debug, Clone)]
 pub(super) enum Piece {
-    /// A ball about the origin.
-    Ball(f32),
+    /// A sphere about the origin.
+    Sphere(f32),
     /// The convex hull of points.
     Hull(Vec<Vec3>),
 }
@@ -69,7 +69,7 @@ impl Piece {
 
     fn shape(&self, scale: f32) -> SharedShape {
         match self {
-            Self::Ball(radius) => SharedShape::ball(scale * radius),
+            Self::Sphere(radius) => SharedShape::ball(scale * radius),
             Self::Hull(points) => {
                 let points: Vec<Vector> = points.iter().map(|&p| vector(scale * (p * GRID).round() / GRID)).collect();
                 SharedShape::convex_hull(&points).expect("a piece has a volume")
@@ -172,7 +172,7 @@ mod tests {
     #[test]
     fn a_body_falls_freely_and_rests_on_the_ground_with_a_gap() {
         for pieces in [
-            vec![Piece::Ball(0.5)],
+            vec![Piece::Sphere(0.5)],
             Piece::hulls(&shapes::cuboid(Vec3::splat(0.5), [2; 3]), |p| usize::from(p.x > 0.0)),
         ] {
             let motion = dropped(pieces);

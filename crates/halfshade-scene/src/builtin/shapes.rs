@@ -148,7 +148,7 @@ pub fn cone(segments: usize) -> Mesh {
 /// The capsule of `radius` (at most 1) around +Y whose ends lie at y = -1 and y = 1.
 pub fn capsule(radius: f32, segments: usize) -> Mesh {
     let rings = (segments / 4).max(2);
-    let cap = |from: f64, center: f32| {
+    let half_sphere = |from: f64, center: f32| {
         (0..=rings).map(move |i| {
             let (sin, cos) = (from + FRAC_PI_2 * i as f64 / rings as f64).sin_cos();
             let on_axis = i == if from < 0.0 { 0 } else { rings };
@@ -159,8 +159,8 @@ pub fn capsule(radius: f32, segments: usize) -> Mesh {
     let wall_rings = (length / radius * rings as f32 / FRAC_PI_2 as f32).ceil() as usize;
     let wall =
         (1..wall_rings).map(|i| ProfilePoint::smooth(radius, radius - 1.0 + length * i as f32 / wall_rings as f32));
-    let upper = cap(0.0, 1.0 - radius).skip(usize::from(length <= 0.0));
-    lathe(&cap(-FRAC_PI_2, radius - 1.0).chain(wall).chain(upper).collect::<Vec<_>>(), segments)
+    let upper = half_sphere(0.0, 1.0 - radius).skip(usize::from(length <= 0.0));
+    lathe(&half_sphere(-FRAC_PI_2, radius - 1.0).chain(wall).chain(upper).collect::<Vec<_>>(), segments)
 }
 
 /// Coordinate `i` of `n + 1` equally spaced ones from `-half` to `half`; symmetric in its bits.

@@ -24,7 +24,7 @@ const SLOPE_DEGREES: f32 = 14.0;
 const ACCELERATION: f64 = 0.16;
 
 /// A ball: radius, where it starts on the slope (along the fall, across it), its speed there in m/s, and its colours.
-struct Ball {
+struct RollingBall {
     name: &'static str,
     radius: f32,
     start: [f32; 2],
@@ -32,29 +32,29 @@ struct Ball {
     colors: [[f32; 3]; 2],
 }
 
-const BALLS: [Ball; 4] = [
-    Ball {
+const BALLS: [RollingBall; 4] = [
+    RollingBall {
         name: "red ball",
         radius: 0.42,
         start: [-1.55, -0.98],
         speed: 0.42,
         colors: [[0.78, 0.10, 0.08], [0.85, 0.82, 0.76]],
     },
-    Ball {
+    RollingBall {
         name: "blue ball",
         radius: 0.24,
         start: [-1.9, 0.80],
         speed: 0.62,
         colors: [[0.07, 0.22, 0.62], [0.88, 0.70, 0.10]],
     },
-    Ball {
+    RollingBall {
         name: "green ball",
         radius: 0.33,
         start: [-0.35, 1.44],
         speed: 0.22,
         colors: [[0.10, 0.45, 0.20], [0.86, 0.86, 0.82]],
     },
-    Ball {
+    RollingBall {
         name: "orange ball",
         radius: 0.20,
         start: [-0.60, 0.10],
@@ -138,7 +138,7 @@ pub(super) fn beach_ball() -> Mesh {
 /// A ball of radius 1 in six sectors of alternating colour, with a cap on both ends.
 ///
 /// Rings and segments instead of an icosphere, so that vertices lie along the sectors' borders.
-fn ball_mesh(ball: &Ball) -> Mesh {
+fn ball_mesh(ball: &RollingBall) -> Mesh {
     const RINGS: usize = 28;
     const SEGMENTS: usize = 36;
     let profile: Vec<_> = (0..=RINGS)

@@ -15,20 +15,20 @@ const TOLERANCE: f64 = 1e-13;
 pub fn bounding_sphere(points: &[DVec3]) -> (DVec3, f64) {
     let Some(&first) = points.first() else { return (DVec3::ZERO, 0.0) };
     let mut candidates = vec![first];
-    let mut ball = Ball { center: first, radius_squared: 0.0 };
+    let mut sphere = BoundingSphere { center: first, radius_squared: 0.0 };
     loop {
-        let (farthest, squared) = farthest_from(points, ball.center);
-        if !ball.excludes_squared(squared) || candidates.contains(&farthest) {
-            return (ball.center, squared.sqrt());
+        let (farthest, squared) = farthest_from(points, sphere.center);
+        if !sphere.excludes_squared(squared) || candidates.contains(&farthest) {
+            return (sphere.center, squared.sqrt());
         }
         candidates.insert(0, farthest);
         let count = candidates.len();
         let grown = welzl(&mut candidates, count, &mut Vec::with_capacity(4));
-        if grown.radius_squared <= ball.radius_squared {
+        if grown.radius_squared <= sphere.radius_squared {
             // Only rounding can keep the sphere from growing when a point outside is added.
-            return (ball.center, squared.sqrt());
+            return (sphere.center, squared.sqrt());
         }
-        ball = grown;
+        sphere = grown;
     }
 }
 
@@ -40,42 +40,42 @@ fn farthest_from(points: &[DVec3], center: DVec3) -> (DVec3, f64) {
 }
 
 #[derive(Debug, Clone, Copy)]
-struct Ball {
+struct BoundingSphere {
     center: DVec3,
     radius_squared: f64,
 }
 
-impl Ball {
+impl BoundingSphere {
     fn excludes_squared(&self, distance_squared: f64) -> bool {
         distance_squared > self.radius_squared * (1.0 + TOLERANCE)
     }
 }
 
-/// The smallest ball around `points[..end]` with all of `on_surface` on its surface; points that mattered move to the
+/// The smallest sphere around `points[..end]` with all of `on_surface` on its surface; points that mattered move to the
 /// front.
-fn welzl(points: &mut [DVec3], end: usize, on_surface: &mut Vec<DVec3>) -> Ball {
-    let mut ball = circumscribed(on_surface).unwrap_or(Ball { center: DVec3::ZERO, radius_squared: -1.0 });
+fn welzl(points: &mut [DVec3], end: usize, on_surface: &mut Vec<DVec3>) -> BoundingSphere {
+    let mut sphere = circumscribed(on_surface).unwrap_or(BoundingSphere { center: DVec3::ZERO, radius_squared: -1.0 });
     if on_surface.len() == 4 {
-        return ball;
+        return sphere;
     }
     for i in 0..end {
         let point = points[i];
-        if !ball.excludes_squared(point.distance_squared(ball.center)) {
+        if !sphere.excludes_squared(point.distance_squared(sphere.center)) {
             continue;
         }
         on_surface.push(point);
         // Points that lie in one line or plane with the others, up to rounding, have no sphere through them.
         if circumscribed(on_surface).is_some() {
-            ball = welzl(points, i, on_surface);
+            sphere = welzl(points, i, on_surface);
             points[..=i].rotate_right(1);
         }
         on_surface.pop();
     }
-    ball
+    sphere
 }
 
-/// The ball with up to four points on its surface and its centre in their affine hull; `None` where there is none.
-fn circumscribed(points: &[DVec3]) -> Option<Ball> {
+/// The sphere with up to four points on its surface and its centre in their affine hull; `None` where there is none.
+fn circumscribed(points: &[DVec3]) -> Option<BoundingSphere> {
     let (&origin, rest) = points.split_first()?;
     let edge = |i: usize| rest.get(i).map(|&p| p - origin);
     // The centre c from the origin solves 2 c·e = e·e for each edge e. Missing edges are replaced by directions
@@ -100,7 +100,7 @@ fn circumscribed(points: &[DVec3]) -> Option<Ball> {
     // The mean of the squared distances: no point is preferred.
     let center = origin + c;
     let sum: f64 = points.iter().map(|p| p.distance_squared(center)).sum();
-    Some(Ball { center, radius_squared: sum / points.len() as f64 })
+    Some(BoundingSphere { center, radius_squared: sum / points.len() as f64 })
 }
 
 #[cfg(test)]
@@ -114,10 +114,10 @@ mod tests {
         let n = points.len();
         let mut best = f64::INFINITY;
         let mut consider = |chosen: &[DVec3]| {
-            if let Some(ball) = circumscribed(chosen)
-                && points.iter().all(|p| p.distance_squared(ball.center) <= ball.radius_squared * (1.0 + 1e-9))
+            if let Some(sphere) = circumscribed(chosen)
+                && points.iter().all(|p| p.distance_squared(sphere.center) <= sphere.radius_squared * (1.0 + 1e-9))
             {
-                best = best.min(ball.radius_squared.sqrt());
+                best = best.min(sphere.radius_squared.sqrt());
             }
         };
         for i in 0..n {

@@ -5,7 +5,7 @@ use super::points::{inner_points, surface_points};
 use super::polish::{Polish, cover_points, tighten};
 use super::solid::Solid;
 use super::variational::Target;
-use super::{Ball, Sphere, SphereSet};
+use super::{DSphere, Sphere, SphereSet};
 use crate::cache::CacheKey;
 use crate::clusters::at_least;
 use crate::{Cache, CacheOutcome, Mesh, Progress, Scene, SceneError};
@@ -136,7 +136,7 @@ impl SphereSet {
         let (teleports, jumps) = (affordable(options.teleports), affordable(options.jumps));
         let steps = 1 + teleports + if options.polish { 1 + jumps } else { 0 };
         progress.start("fitting spheres", (restarts * steps) as u64);
-        let fitted: Vec<[(f64, Vec<Ball>); 2]> = (0..restarts as u64)
+        let fitted: Vec<[(f64, Vec<DSphere>); 2]> = (0..restarts as u64)
             .into_par_iter()
             .map(|restart| {
                 let mut rng = Pcg64Mcg::seed_from_u64(options.seed.wrapping_mul(0x9e37_79b9).wrapping_add(restart));
@@ -149,16 +149,16 @@ impl SphereSet {
                 } else {
                     published.clone()
                 };
-                [published, polished].map(|balls| {
+                [published, polished].map(|spheres| {
                     // The volume after bounding counts, not that before.
-                    let mut bounded = balls.clone();
+                    let mut bounded = spheres.clone();
                     grow_to_cover(&mesh.corners, &mut bounded, 10.0 * COVER_TOLERANCE, |r| r);
-                    (measured.columns.union_outside(&bounded), balls)
+                    (measured.columns.union_outside(&bounded), spheres)
                 })
             })
             .collect();
         let best = |which: usize| {
-            let of_start = |start: &&[(f64, Vec<Ball>); 2]| start[which].0;
+            let of_start = |start: &&[(f64, Vec<DSphere>); 2]| start[which].0;
             let least = fitted.iter().min_by(|a, b| of_start(a).total_cmp(&of_start(b)));
             least.map(|start| start[which].1.clone()).unwrap_or_default()
         };
@@ -187,7 +187,7 @@ impl SphereSet {
             .map(|axis| {
                 let corners = if thin { &[] } else { mesh.corners.as_slice() };
                 let columns = Solid::new(corners, axis, MEASURE_STEP).columns;
-                let whole = if thin { ball_volume(0.5 * mesh.extent()) } else { columns.volume() };
+                let whole = if thin { sphere_volume(0.5 * mesh.extent()) } else { columns.volume() };
                 sets.iter().map(|set| columns.union_outside(&mesh.normalized(&set.spheres)) / whole).collect()
             })
             .collect();
@@ -272,7 +272,7 @@ impl Scene {
     }
 }
 
-fn ball_volume(radius: f64) -> f64 {
+fn sphere_volume(radius: f64) -> f64 {
     4.0 / 3.0 * std::f64::consts::PI * radius.powi(3)
 }
 
@@ -323,10 +323,10 @@ impl Normalized {
         self.bounds[0].distance(self.bounds[1])
     }
 
-    fn normalized(&self, spheres: &[Sphere]) -> Vec<Ball> {
+    fn normalized(&self, spheres: &[Sphere]) -> Vec<DSphere> {
         spheres
             .iter()
-            .map(|s| Ball {
+            .map(|s| DSphere {
                 center: (s.center.as_dvec3() - self.middle) / self.extent,
                 radius: f64::from(s.radius) / self.extent,
             })
@@ -334,25 +334,25 @@ impl Normalized {
     }
 
     /// The spheres in single precision and the mesh's coordinates, grown until they bound the triangles as given.
-    fn bound(&self, fitted: Vec<Ball>) -> SphereSet {
+    fn bound(&self, fitted: Vec<DSphere>) -> SphereSet {
         let triangles: Vec<[DVec3; 3]> =
             self.corners.iter().map(|t| t.map(|corner| corner * self.extent + self.middle)).collect();
-        let mut balls: Vec<Ball> = fitted
+        let mut spheres: Vec<DSphere> = fitted
             .iter()
-            .filter(|ball| ball.radius > 0.0)
-            .map(|ball| Ball {
-                center: (ball.center * self.extent + self.middle).as_vec3().as_dvec3(),
-                radius: f64::from(at_least(ball.radius * self.extent)),
+            .filter(|sphere| sphere.radius > 0.0)
+            .map(|sphere| DSphere {
+                center: (sphere.center * self.extent + self.middle).as_vec3().as_dvec3(),
+                radius: f64::from(at_least(sphere.radius * self.extent)),
             })
             .collect();
         let tolerance = COVER_TOLERANCE * self.extent;
-        let growth = grow_to_cover(&triangles, &mut balls, tolerance, |radius| f64::from(at_least(radius)));
+        let growth = grow_to_cover(&triangles, &mut spheres, tolerance, |radius| f64::from(at_least(radius)));
         SphereSet {
-            bounding_violation: violation(&triangles, &balls, tolerance),
+            bounding_violation: violation(&triangles, &spheres, tolerance),
             growth: growth / (self.extent() * self.extent),
-            spheres: balls
+            spheres: spheres
                 .iter()
-                .map(|ball| Sphere { center: ball.center.as_vec3(), radius: ball.radius as f32 })
+                .map(|sphere| Sphere { center: sphere.center.as_vec3(), radius: sphere.radius as f32 })
                 .collect(),
             ..SphereSet::default()
         }
@@ -416,7 +416,7 @@ mod tests {
         // The mesh is inscribed in the torus: what it lacks is outside of it too.
         let fraction = (outside_torus + volume - mesh_volume) / mesh_volume;
         assert!((fraction / set.outside_volume_fraction - 1.0).abs() < 0.01, "{fraction} {set:?}");
-        // Twelve balls around a ring, each through the tube's rim at its ends.
+        // Twelve spheres around a ring, each through the tube's rim at its ends.
         assert!(set.outside_volume_fraction < 0.6, "{}", set.outside_volume_fraction);
     }
 
@@ -478,7 +478,7 @@ mod tests {
             let set = build(mesh, 10);
             assert_bounds(mesh, &set);
             assert_eq!(set.notes.is_empty(), !std::ptr::eq(mesh, &open), "{:?}", set.notes);
-            // Ten for two tori are few; one ball around a torus would be 5.
+            // Ten for two tori are few; one sphere around a torus would be 5.
             assert!(set.outside_volume_fraction < 4.0, "{}", set.outside_volume_fraction);
         }
         // Nothing inside: a shell, and said so.

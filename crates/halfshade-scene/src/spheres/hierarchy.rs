@@ -9,8 +9,8 @@
 //!
 //! Every level bounds what the leaves bound, with ever more outside volume.
 
-use super::enclosing::enclosing_ball;
-use super::{Ball, Sphere};
+use super::enclosing::enclosing_sphere;
+use super::{DSphere, Sphere};
 use crate::clusters::{at_least, lloyd, members};
 use glam::DVec3;
 
@@ -48,26 +48,26 @@ impl SphereHierarchy {
 
 /// The level of `count` spheres over `spheres`, of which there are as many or more.
 fn parents(spheres: &[Sphere], count: usize, seed: u64) -> HierarchyLevel {
-    let balls: Vec<Ball> = spheres.iter().map(|s| ball(*s)).collect();
-    let centers: Vec<DVec3> = balls.iter().map(|ball| ball.center).collect();
-    let (assignment, places) = lloyd(&centers, count, seed, |own| smallest_around(&balls, own));
+    let exact: Vec<DSphere> = spheres.iter().map(|s| in_f64(*s)).collect();
+    let centers: Vec<DVec3> = exact.iter().map(|sphere| sphere.center).collect();
+    let (assignment, places) = lloyd(&centers, count, seed, |own| smallest_around(&exact, own));
     let children = members(&assignment, count);
     let bound = |(place, own): (&DVec3, &Vec<u32>)| {
         let center = place.as_vec3();
-        let reach = |&k: &u32| balls[k as usize].center.distance(center.as_dvec3()) + balls[k as usize].radius;
+        let reach = |&k: &u32| exact[k as usize].center.distance(center.as_dvec3()) + exact[k as usize].radius;
         Sphere { center, radius: at_least(own.iter().map(reach).fold(0.0, f64::max)) }
     };
     HierarchyLevel { spheres: places.iter().zip(&children).map(bound).collect(), children }
 }
 
-fn ball(sphere: Sphere) -> Ball {
-    Ball { center: sphere.center.as_dvec3(), radius: f64::from(sphere.radius) }
+fn in_f64(sphere: Sphere) -> DSphere {
+    DSphere { center: sphere.center.as_dvec3(), radius: f64::from(sphere.radius) }
 }
 
-/// Centre and radius of the smallest ball around those of `balls` with the indices `own`.
-fn smallest_around(balls: &[Ball], own: &[u32]) -> (DVec3, f64) {
-    let own: Vec<Ball> = own.iter().map(|&k| balls[k as usize]).collect();
-    let Ball { center, radius } = enclosing_ball(&own);
+/// Centre and radius of the smallest sphere around those of `spheres` with the indices `own`.
+fn smallest_around(spheres: &[DSphere], own: &[u32]) -> (DVec3, f64) {
+    let own: Vec<DSphere> = own.iter().map(|&k| spheres[k as usize]).collect();
+    let DSphere { center, radius } = enclosing_sphere(&own);
     (center, radius)
 }
 
@@ -109,7 +109,7 @@ mod tests {
                 assert!(!children.is_empty() && children.is_sorted());
                 for &child in children {
                     parents[child as usize] += 1;
-                    let (inner, outer) = (ball(finer.spheres[child as usize]), ball(*parent));
+                    let (inner, outer) = (in_f64(finer.spheres[child as usize]), in_f64(*parent));
                     assert!(inner.center.distance(outer.center) + inner.radius <= outer.radius, "{inner:?} {outer:?}");
                 }
             }
@@ -171,13 +171,13 @@ mod tests {
     #[test]
     fn a_round_never_enlarges_the_largest_parent() {
         for seed in 0..10 {
-            let balls: Vec<Ball> = random_spheres(200, 1.0, seed).into_iter().map(ball).collect();
-            let points: Vec<DVec3> = balls.iter().map(|b| b.center).collect();
+            let exact: Vec<DSphere> = random_spheres(200, 1.0, seed).into_iter().map(in_f64).collect();
+            let points: Vec<DVec3> = exact.iter().map(|b| b.center).collect();
             let mut centers = spread_centers(&points, 12, seed);
             let mut before = f64::INFINITY;
             for _ in 0..10 {
                 let found: Vec<_> =
-                    members(&assign(&points, &centers), 12).iter().map(|own| smallest_around(&balls, own)).collect();
+                    members(&assign(&points, &centers), 12).iter().map(|own| smallest_around(&exact, own)).collect();
                 let now = found.iter().map(|b| b.1).fold(0.0, f64::max);
                 assert!(now <= before * (1.0 + 1e-12), "{now} after {before}");
                 (centers, before) = (found.iter().map(|b| b.0).collect(), now);

@@ -54,12 +54,12 @@ pub struct SphereSet {
 
 /// A sphere in the making, in double precision.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Ball {
+struct DSphere {
     center: DVec3,
     radius: f64,
 }
 
-impl Ball {
+impl DSphere {
     fn contains(&self, point: DVec3) -> bool {
         self.center.distance_squared(point) <= self.radius * self.radius
     }

@@ -1,6 +1,6 @@
 //! The points that stand for an object while its spheres are fitted: evenly spread surface points and inner points.
 
-use super::Ball;
+use super::DSphere;
 use super::solid::Columns;
 use glam::DVec3;
 use rand::RngExt;
@@ -125,8 +125,8 @@ pub(super) fn covering_radius<'a>(center: DVec3, points: impl Iterator<Item = &'
     points.map(|p| p.distance_squared(center)).fold(0.0, f64::max).sqrt()
 }
 
-/// A ball about the points' mean that covers them all.
-pub(super) fn bounding_ball(points: &[DVec3]) -> Ball {
+/// A sphere about the points' mean that covers them all.
+pub(super) fn mean_centered_sphere(points: &[DVec3]) -> DSphere {
     let center = points.iter().sum::<DVec3>() / points.len().max(1) as f64;
-    Ball { center, radius: covering_radius(center, points.iter()) }
+    DSphere { center, radius: covering_radius(center, points.iter()) }
 }

@@ -9,7 +9,7 @@
 //! inside out. Lines along which the winding number doesn't return to zero (a mesh that is not closed) are settled by
 //! the lines of the two other directions: a point is inside if the sound lines through it say so.
 
-use super::Ball;
+use super::DSphere;
 use glam::{DVec2, DVec3};
 
 /// Runs along one line: disjoint, rising.
@@ -97,12 +97,12 @@ impl Columns {
         self.line(line).iter().any(|run| run[0] <= along && along <= run[1])
     }
 
-    /// Calls `visit(line, distance², middle)` for each lattice line that meets the ball's circle.
-    fn lines_through(&self, ball: &Ball, mut visit: impl FnMut([i64; 2], f64, f64)) {
-        let (across, along) = split(ball.center, self.axis);
-        let squared = ball.radius * ball.radius;
-        let rows = first_line_at_or_after(across.y - ball.radius, self.step)
-            ..first_line_at_or_after(across.y + ball.radius, self.step);
+    /// Calls `visit(line, distance², middle)` for each lattice line that meets the sphere's circle.
+    fn lines_through(&self, sphere: &DSphere, mut visit: impl FnMut([i64; 2], f64, f64)) {
+        let (across, along) = split(sphere.center, self.axis);
+        let squared = sphere.radius * sphere.radius;
+        let rows = first_line_at_or_after(across.y - sphere.radius, self.step)
+            ..first_line_at_or_after(across.y + sphere.radius, self.step);
         for j in rows {
             let dy = line_position(j, self.step) - across.y;
             let half_width = (squared - dy * dy).max(0.0).sqrt();
@@ -115,11 +115,11 @@ impl Columns {
         }
     }
 
-    /// The volume of the ball outside the solid.
-    pub(super) fn outside(&self, ball: &Ball) -> f64 {
-        let squared = ball.radius * ball.radius;
+    /// The volume of the sphere outside the solid.
+    pub(super) fn outside(&self, sphere: &DSphere) -> f64 {
+        let squared = sphere.radius * sphere.radius;
         let mut length = 0.0;
-        self.lines_through(ball, |line, distance_squared, middle| {
+        self.lines_through(sphere, |line, distance_squared, middle| {
             let half = (squared - distance_squared).max(0.0).sqrt();
             let (low, high) = (middle - half, middle + half);
             length += high - low;
@@ -130,18 +130,19 @@ impl Columns {
         length * self.step * self.step
     }
 
-    /// This solid and `balls` together, over the window in which balls inside `region` lie; lines beyond it are empty.
-    pub(super) fn united_with<'a>(&self, balls: impl Iterator<Item = &'a Ball>, region: &Ball) -> Self {
+    /// This solid and `spheres` together, over the window in which spheres inside `region` lie; lines beyond it are empty.
+    pub(super) fn united_with<'a>(&self, spheres: impl Iterator<Item = &'a DSphere>, region: &DSphere) -> Self {
         let (across, _) = split(region.center, self.axis);
         let window = [across - DVec2::splat(region.radius), across + DVec2::splat(region.radius + self.step)];
-        let near: Vec<&Ball> = balls.filter(|b| b.center.distance(region.center) < b.radius + region.radius).collect();
+        let near: Vec<&DSphere> =
+            spheres.filter(|b| b.center.distance(region.center) < b.radius + region.radius).collect();
         Self::from_lines(self.axis, self.step, window, |line, runs| {
             let begin = runs.len();
             runs.extend_from_slice(self.line(line));
             let position = DVec2::new(line_position(line[0], self.step), line_position(line[1], self.step));
-            for ball in &near {
-                let (center, along) = split(ball.center, self.axis);
-                let half_squared = ball.radius * ball.radius - center.distance_squared(position);
+            for sphere in &near {
+                let (center, along) = split(sphere.center, self.axis);
+                let half_squared = sphere.radius * sphere.radius - center.distance_squared(position);
                 if half_squared > 0.0 {
                     let half = half_squared.sqrt();
                     runs.push([along - half, along + half]);
@@ -151,12 +152,12 @@ impl Columns {
         })
     }
 
-    /// Volume of the union of the balls outside the solid.
-    pub(super) fn union_outside(&self, balls: &[Ball]) -> f64 {
+    /// Volume of the union of the spheres outside the solid.
+    pub(super) fn union_outside(&self, spheres: &[DSphere]) -> f64 {
         let mut chords: Vec<([i64; 2], Run)> = Vec::new();
-        for ball in balls {
-            let squared = ball.radius * ball.radius;
-            self.lines_through(ball, |line, distance_squared, middle| {
+        for sphere in spheres {
+            let squared = sphere.radius * sphere.radius;
+            self.lines_through(sphere, |line, distance_squared, middle| {
                 let half = (squared - distance_squared).max(0.0).sqrt();
                 chords.push((line, [middle - half, middle + half]));
             });
@@ -361,8 +362,8 @@ mod tests {
         mesh.triangles.iter().map(|t| t.map(|k| 0.5 * mesh.positions[k as usize].as_dvec3())).collect()
     }
 
-    fn ball(x: f64, radius: f64) -> Ball {
-        Ball { center: DVec3::new(x, 0.0, 0.0), radius }
+    fn sphere(x: f64, radius: f64) -> DSphere {
+        DSphere { center: DVec3::new(x, 0.0, 0.0), radius }
     }
 
     #[test]
@@ -372,11 +373,11 @@ mod tests {
             assert_eq!(solid.open_fraction, 0.0);
             let close = |a: f64, b: f64| assert!((a - b).abs() < 2e-3 * (1.0 + b), "axis {axis}: {a} {b}");
             close(solid.columns.volume(), 1.0);
-            assert!(solid.columns.outside(&ball(0.0, 0.49)).abs() < 1e-12);
-            close(solid.columns.outside(&ball(0.5, 0.4)), 2.0 / 3.0 * PI * 0.064);
-            close(solid.columns.outside(&ball(3.0, 0.7)), 4.0 / 3.0 * PI * 0.343);
-            // Two unit balls a radius apart share a lens of 5π/12.
-            let two = [ball(4.0, 1.0), ball(5.0, 1.0)];
+            assert!(solid.columns.outside(&sphere(0.0, 0.49)).abs() < 1e-12);
+            close(solid.columns.outside(&sphere(0.5, 0.4)), 2.0 / 3.0 * PI * 0.064);
+            close(solid.columns.outside(&sphere(3.0, 0.7)), 4.0 / 3.0 * PI * 0.343);
+            // Two unit spheres a radius apart share a lens of 5π/12.
+            let two = [sphere(4.0, 1.0), sphere(5.0, 1.0)];
             close(solid.columns.union_outside(&two), (8.0 / 3.0 - 5.0 / 12.0) * PI);
             let rest = solid.columns.united_with(two[..1].iter(), &two[1]);
             close(rest.outside(&two[1]), (4.0 / 3.0 - 5.0 / 12.0) * PI);

@@ -6,8 +6,8 @@
 //! sphere is teleported: the one that overlaps the others most is removed, the one with the largest outside volume is
 //! split at the two most distant of its points; kept if E improves.
 
-use super::Ball;
-use super::points::{bounding_ball, covering_radius, farthest_points, neighbor_graph};
+use super::DSphere;
+use super::points::{covering_radius, farthest_points, mean_centered_sphere, neighbor_graph};
 use super::solid::Columns;
 use crate::Progress;
 use bobyqa::{Bobyqa, Config};
@@ -37,7 +37,7 @@ pub(super) struct Target<'a> {
 /// A set in the making: spheres and the points that each must cover.
 #[derive(Clone)]
 struct Fit {
-    balls: Vec<Ball>,
+    spheres: Vec<DSphere>,
     owned: Vec<Vec<u32>>,
     outside: Vec<f64>,
 }
@@ -49,7 +49,13 @@ impl<'a> Target<'a> {
     }
 
     /// `count` spheres by the method of the module; `teleports` attempts to leave local minima.
-    pub(super) fn fit(&self, count: usize, teleports: usize, rng: &mut Pcg64Mcg, progress: &dyn Progress) -> Vec<Ball> {
+    pub(super) fn fit(
+        &self,
+        count: usize,
+        teleports: usize,
+        rng: &mut Pcg64Mcg,
+        progress: &dyn Progress,
+    ) -> Vec<DSphere> {
         let mut best = self.settle(self.first_centers(count, rng));
         progress.advance(1);
         let mut refused = 0;
@@ -64,7 +70,7 @@ impl<'a> Target<'a> {
                 refused += 1;
             }
         }
-        best.balls
+        best.spheres
     }
 
     /// Random start by farthest points among a random part of all points, which spreads better than plain drawing.
@@ -97,7 +103,7 @@ impl<'a> Target<'a> {
         for _ in 0..ROUNDS {
             let fit = self.optimize(&centers, self.assign(&centers));
             centers.clear();
-            centers.extend(fit.balls.iter().map(|ball| ball.center));
+            centers.extend(fit.spheres.iter().map(|sphere| sphere.center));
             let before = best.as_ref().map_or(f64::INFINITY, Fit::total);
             let improved = fit.total() < before * (1.0 - WORTHWHILE);
             if fit.total() < before {
@@ -112,7 +118,7 @@ impl<'a> Target<'a> {
 
     /// Flood-fill assignment: every point to the sphere whose outside volume grows least by covering it.
     fn assign(&self, centers: &[DVec3]) -> Vec<Vec<u32>> {
-        let reach = bounding_ball(&self.points).radius;
+        let reach = mean_centered_sphere(&self.points).radius;
         let profiles: Vec<Profile> = centers
             .par_iter()
             .map(|&center| Profile::new(self.solid, center, reach / (centers.len() as f64).cbrt()))
@@ -179,22 +185,22 @@ impl<'a> Target<'a> {
 
     /// Moves each centre to the least outside volume of the sphere that covers its points.
     fn optimize(&self, centers: &[DVec3], owned: Vec<Vec<u32>>) -> Fit {
-        let fitted: Vec<(Ball, f64)> = centers
+        let fitted: Vec<(DSphere, f64)> = centers
             .par_iter()
             .zip(&owned)
             .map(|(&center, owned)| {
                 let points: Vec<DVec3> = owned.iter().map(|&k| self.points[k as usize]).collect();
-                best_ball(center, &points, 0.3, 45, |ball| self.solid.outside(ball))
+                best_sphere(center, &points, 0.3, 45, |sphere| self.solid.outside(sphere))
             })
             .collect();
-        let (balls, outside) = fitted.into_iter().unzip();
-        Fit { balls, owned, outside }
+        let (spheres, outside) = fitted.into_iter().unzip();
+        Fit { spheres, owned, outside }
     }
 
     /// Centres after removing the sphere that overlaps the others most and splitting the one with the `rank`-th
     /// largest outside volume. `None` when there is nothing left to try.
     fn teleport(&self, fit: &Fit, rank: usize) -> Option<Vec<DVec3>> {
-        let count = fit.balls.len();
+        let count = fit.spheres.len();
         let mut largest: Vec<usize> = (0..count).filter(|&k| fit.owned[k].len() > 1).collect();
         largest.sort_by(|&a, &b| fit.outside[b].total_cmp(&fit.outside[a]));
         let split = *largest.get(rank)?;
@@ -203,13 +209,14 @@ impl<'a> Target<'a> {
                 return f64::INFINITY;
             }
             let points = fit.owned[k].iter().map(|&p| self.points[p as usize]);
-            let shared = points.filter(|p| (0..count).any(|other| other != k && fit.balls[other].contains(*p))).count();
+            let shared =
+                points.filter(|p| (0..count).any(|other| other != k && fit.spheres[other].contains(*p))).count();
             shared as f64 / fit.owned[k].len() as f64
         };
         let removed = (0..count).filter(|&k| k != split).max_by(|&a, &b| overlap(a).total_cmp(&overlap(b)))?;
         let points: Vec<DVec3> = fit.owned[split].iter().map(|&p| self.points[p as usize]).collect();
         let (a, b) = most_distant(&points);
-        let mut centers: Vec<DVec3> = fit.balls.iter().map(|ball| ball.center).collect();
+        let mut centers: Vec<DVec3> = fit.spheres.iter().map(|sphere| sphere.center).collect();
         (centers[split], centers[removed]) = (a, b);
         Some(centers)
     }
@@ -231,17 +238,17 @@ pub(super) fn most_distant(points: &[DVec3]) -> (DVec3, DVec3) {
     (a, farthest(a))
 }
 
-/// The ball that covers `points` at the least `cost`, its centre found by BOBYQA from `center` in at most `evaluations`
+/// The sphere that covers `points` at the least `cost`, its centre found by BOBYQA from `center` in at most `evaluations`
 /// steps, at most `reach` of its first radius away. Returns it and its cost.
-pub(super) fn best_ball(
+pub(super) fn best_sphere(
     center: DVec3,
     points: &[DVec3],
     reach: f64,
     evaluations: usize,
-    cost: impl Fn(&Ball) -> f64,
-) -> (Ball, f64) {
-    let ball_at = |center: DVec3| Ball { center, radius: covering_radius(center, points.iter()) };
-    let start = ball_at(center);
+    cost: impl Fn(&DSphere) -> f64,
+) -> (DSphere, f64) {
+    let sphere_at = |center: DVec3| DSphere { center, radius: covering_radius(center, points.iter()) };
+    let start = sphere_at(center);
     let start_cost = cost(&start);
     let reach = reach * start.radius;
     if points.is_empty() || reach <= 1e-9 {
@@ -254,11 +261,11 @@ pub(super) fn best_ball(
     let mut x = center.to_array();
     let (lower, upper) = (x.map(|c| c - reach), x.map(|c| c + reach));
     let Ok(mut solver) = Bobyqa::new(3, config) else { return (start, start_cost) };
-    let outcome = solver.minimize(|x| cost(&ball_at(DVec3::new(x[0], x[1], x[2]))), &mut x, &lower, &upper);
-    if outcome.f < start_cost { (ball_at(DVec3::from(x)), outcome.f) } else { (start, start_cost) }
+    let outcome = solver.minimize(|x| cost(&sphere_at(DVec3::new(x[0], x[1], x[2]))), &mut x, &lower, &upper);
+    if outcome.f < start_cost { (sphere_at(DVec3::from(x)), outcome.f) } else { (start, start_cost) }
 }
 
-/// Outside volume of balls about one centre as a function of the radius.
+/// Outside volume of spheres about one centre as a function of the radius.
 struct Profile {
     step: f64,
     volumes: Vec<f64>,
@@ -270,7 +277,7 @@ impl Profile {
     fn new(solid: &Columns, center: DVec3, reach: f64) -> Self {
         let step = 2.0 * reach / PROFILE as f64;
         let volumes: Vec<f64> =
-            (0..=PROFILE).map(|k| solid.outside(&Ball { center, radius: k as f64 * step })).collect();
+            (0..=PROFILE).map(|k| solid.outside(&DSphere { center, radius: k as f64 * step })).collect();
         Self { step, slope: 4.0 / 3.0 * std::f64::consts::PI, volumes }
     }
 

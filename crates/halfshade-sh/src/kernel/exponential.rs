@@ -166,8 +166,8 @@ impl BatchExponential {
         let mut offset = f32x8::ZERO;
         match self.method {
             BatchMethod::Series { .. } | BatchMethod::Quadratic { .. } => {
-                let cap = f32x8::splat(SERIES_MAGNITUDE as f32);
-                let shorten = scaled.simd_gt(cap).select(cap / scaled, f32x8::ONE) * scale;
+                let limit = f32x8::splat(SERIES_MAGNITUDE as f32);
+                let shorten = scaled.simd_gt(limit).select(limit / scaled, f32x8::ONE) * scale;
                 h.iter_mut().for_each(|value| *value *= shorten);
                 h = if let BatchMethod::Series { terms, .. } = self.method { series(&h, terms) } else { quadratic(&h) };
             }

@@ -11,7 +11,7 @@ use halfshade_scene::spheres::{AdjustRule, adjust};
 /// One adjusted sphere: the unit direction to its centre, the squared sine of its angular radius, its distance in
 /// tracing space.
 #[derive(Debug, Clone, Copy)]
-struct Cap {
+struct BlockerCap {
     axis: [f32; 3],
     sine_squared: f32,
     distance: f32,
@@ -21,15 +21,15 @@ struct Cap {
 
 /// The adjusted spheres of one receiver; its storage is used again for the next.
 #[derive(Debug, Default)]
-pub(crate) struct Caps(Vec<Cap>);
+pub(crate) struct BlockerCaps(Vec<BlockerCap>);
 
-impl Caps {
+impl BlockerCaps {
     /// Adjusts all spheres to `receiver`.
     pub(crate) fn adjust(&mut self, tracer: &Tracer, rule: AdjustRule, receiver: &Receiver) {
         self.0.clear();
         self.0.extend(tracer.spheres.iter().enumerate().filter_map(|(number, &(center, radius))| {
             let sphere = adjust(rule, center - receiver.position, radius, receiver.normal)?;
-            Some(Cap {
+            Some(BlockerCap {
                 axis: sphere.direction().as_vec3().to_array(),
                 sine_squared: sphere.sin_angular_radius().powi(2) as f32,
                 distance: tracer.space.length(sphere.offset.length()) as f32,
@@ -105,7 +105,7 @@ impl Cone {
     }
 
     /// Whether any direction of the cone may lie in the cap; true if in doubt.
-    fn meets(&self, cap: &Cap) -> bool {
+    fn meets(&self, cap: &BlockerCap) -> bool {
         let cap_cosine = (1.0 - cap.sine_squared).max(0.0).sqrt();
         let sines = (cap.sine_squared * (1.0 - self.cosine * self.cosine).max(0.0)).sqrt();
         // Cosine of the sum of both angles, where that is less than a straight one; in front of the cap, wider never misses.
@@ -137,14 +137,14 @@ mod tests {
             let sine = |k: u32| [1e-4, 0.03, 0.3, 1.0][k as usize];
             let cap = |k| {
                 let sine_squared = f32::powi(sine(k), 2);
-                Cap {
+                BlockerCap {
                     axis: unit().lerp(axis, 0.2 * k as f32).normalize().to_array(),
                     sine_squared,
                     distance: 1.0,
                     sphere: 0,
                 }
             };
-            let caps = Caps([0, 1, 2, 3].map(cap).to_vec());
+            let caps = BlockerCaps([0, 1, 2, 3].map(cap).to_vec());
             caps.trace(&mut batch);
             let cone = Cone::around(batch.direction.each_ref().map(|axis| &axis[..batch.len]));
             left_out += caps.0.iter().filter(|cap| !cone.meets(cap)).count();
