@@ -51,22 +51,13 @@ impl EyeLobes {
 mod tests {
     use super::*;
     use crate::{
-        Environment, GlossVariation, Material, Motion, Object, Pose, ReceiverBuffer, Scene, builtin::shapes,
+        Environment, GlossVariation, Material, Object, Pose, ReceiverBuffer, Scene, builtin::shapes,
         reflectance::LafortuneLobe,
     };
     use std::sync::Arc;
 
     fn object(material: Material, pose: Pose) -> Object {
-        Object {
-            name: "ball".into(),
-            mesh: Arc::new(shapes::sphere(4)),
-            material,
-            sphere_count: 0,
-            spheres: None,
-            cluster_count: 0,
-            motion: Motion::Still(pose),
-            skin: None,
-        }
+        Object::new("ball", shapes::sphere(4)).material(material).pose(pose)
     }
 
     fn scene(objects: Vec<Object>) -> Scene {

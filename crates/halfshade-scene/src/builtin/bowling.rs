@@ -92,17 +92,12 @@ fn simulated() -> Scene {
             1 => ("cushion".into(), &cushion, 10),
             _ => (format!("pin {}", number - 1), &pin, 6),
         };
-        Object {
-            name,
-            mesh: mesh.clone(),
+        Object::new(name, mesh.clone())
             // As in the paper, whose ball becomes glossy.
-            material: if number == 0 { polished(Vec3::ONE) } else { Material::default() },
-            sphere_count,
-            spheres: None,
-            cluster_count: 2,
-            motion,
-            skin: None,
-        }
+            .material(if number == 0 { polished(Vec3::ONE) } else { Material::default() })
+            .sphere_count(sphere_count)
+            .cluster_count(2)
+            .motion(motion)
     }));
     Scene {
         lights: lights(),
@@ -143,16 +138,11 @@ fn lane() -> Object {
             Vec3::new(0.80, 0.56, 0.31) * shades[board as usize]
         })
         .collect();
-    Object {
-        name: "lane".into(),
-        mesh: Arc::new(mesh),
-        material: Material::default(),
-        sphere_count: 0,
-        spheres: None,
-        cluster_count: 6,
-        motion: Motion::Still(Pose::from_translation(Vec3::new(0.0, bottom + half_size.y, lane_middle()))),
-        skin: None,
-    }
+    Object::new("lane", mesh).cluster_count(6).pose(Pose::from_translation(Vec3::new(
+        0.0,
+        bottom + half_size.y,
+        lane_middle(),
+    )))
 }
 
 fn lane_middle() -> f32 {
@@ -169,16 +159,7 @@ fn gutters() -> Object {
         mesh.normals.extend(one.normals);
         mesh.triangles.extend(one.triangles.iter().map(|t| t.map(|vertex| first + vertex)));
     }
-    Object {
-        name: "gutters".into(),
-        mesh: Arc::new(mesh),
-        material: Material::new(Vec3::new(0.20, 0.22, 0.26)),
-        sphere_count: 0,
-        spheres: None,
-        cluster_count: 6,
-        motion: Motion::Still(Pose::IDENTITY),
-        skin: None,
-    }
+    Object::new("gutters", mesh).albedo(Vec3::new(0.20, 0.22, 0.26)).cluster_count(6)
 }
 
 fn gutter_pose(side: f32) -> Pose {

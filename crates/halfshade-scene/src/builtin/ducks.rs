@@ -5,7 +5,7 @@ use super::daylight;
 use super::ground::ground;
 use super::implicit::{Body, smooth_path};
 use super::polygonize::polygonize;
-use crate::{Camera, Material, Object, Scene};
+use crate::{Camera, Object, Scene};
 use glam::{DQuat, Vec3};
 use std::sync::Arc;
 
@@ -59,21 +59,17 @@ const DUCKS: [Duck; 3] = [
 pub(super) fn scene() -> Scene {
     let duck = Arc::new(polygonize(&duck(), CELL));
     let mut objects = vec![ground(Vec3::new(2.1, 0.15, 1.9), [88, 80], Vec3::new(0.50, 0.58, 0.63), 7)];
-    objects.extend(DUCKS.iter().map(|one| Object {
-        name: one.name.into(),
-        mesh: duck.clone(),
-        material: Material::new(one.tint.into()),
-        sphere_count: 10,
-        spheres: None,
-        cluster_count: 11,
-        motion: keyframes(|time| {
-            let swing = wave(time, 1.0, one.phase);
-            // Two hops per round; at the lowest point a duck is at rest on the ground.
-            let hop = 0.04 * (1.0 - wave(time, 2.0, one.phase));
-            let place = Vec3::new(one.place[0] + one.slide[0] * swing, GAP + hop, one.place[1] + one.slide[1] * swing);
-            upright(place, one.yaw + 0.22 * wave(time, 1.0, one.phase + 0.2), one.scale)
-        }),
-        skin: None,
+    objects.extend(DUCKS.iter().map(|one| {
+        Object::new(one.name, duck.clone()).albedo(one.tint.into()).sphere_count(10).cluster_count(11).motion(
+            keyframes(|time| {
+                let swing = wave(time, 1.0, one.phase);
+                // Two hops per round; at the lowest point a duck is at rest on the ground.
+                let hop = 0.04 * (1.0 - wave(time, 2.0, one.phase));
+                let place =
+                    Vec3::new(one.place[0] + one.slide[0] * swing, GAP + hop, one.place[1] + one.slide[1] * swing);
+                upright(place, one.yaw + 0.22 * wave(time, 1.0, one.phase + 0.2), one.scale)
+            }),
+        )
     }));
     Scene {
         camera: Camera {

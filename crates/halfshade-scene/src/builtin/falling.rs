@@ -85,16 +85,11 @@ fn simulated() -> Scene {
     let contact = Contact { friction: 0.8, restitution: 0.05 };
     let motions = simulate(&[Piece::Hull(floor.collect())], &bodies, &contact, FRAMES_PER_SEC, FRAME_COUNT);
     objects.extend(FALLING.iter().zip(motions).enumerate().map(|(number, (&(name, _, tint, spheres), motion))| {
-        Object {
-            name: format!("{name} {}", number + 1),
-            mesh: toy(name).1.clone(),
-            material: if POLISHED.contains(&name) { polished(tint.into()) } else { Material::new(tint.into()) },
-            sphere_count: spheres,
-            spheres: None,
-            cluster_count: 4,
-            motion,
-            skin: None,
-        }
+        Object::new(format!("{name} {}", number + 1), toy(name).1.clone())
+            .material(if POLISHED.contains(&name) { polished(tint.into()) } else { Material::new(tint.into()) })
+            .sphere_count(spheres)
+            .cluster_count(4)
+            .motion(motion)
     }));
     Scene {
         camera: Camera {

@@ -5,7 +5,7 @@
 
 use super::choreography::{FRAME_COUNT, FRAMES_PER_SEC, keyframes, wave};
 use super::shapes;
-use crate::{Camera, Environment, Material, Motion, Object, Pose, Scene, SphereLight};
+use crate::{Camera, Environment, Motion, Object, Pose, Scene, SphereLight};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -19,29 +19,20 @@ const BLOCKERS: [([f32; 3], f32, [f32; 3]); 5] = [
 ];
 
 pub(super) fn scene() -> Scene {
-    let plane = Object {
-        name: "plane".into(),
-        mesh: Arc::new(shapes::plane(128)),
-        material: Material::new(Vec3::splat(0.75)),
-        sphere_count: 0,
-        spheres: None,
-        cluster_count: 16,
-        motion: Motion::Still(Pose { scale: 3.0, ..Pose::IDENTITY }),
-        skin: None,
-    };
+    let plane = Object::new("plane", shapes::plane(128))
+        .albedo(Vec3::splat(0.75))
+        .cluster_count(16)
+        .pose(Pose { scale: 3.0, ..Pose::IDENTITY });
     let ball = Arc::new(shapes::sphere(16));
-    let blockers = BLOCKERS.iter().enumerate().map(|(number, &(place, radius, albedo))| Object {
-        name: format!("sphere {number}"),
-        mesh: ball.clone(),
-        material: Material::new(albedo.into()),
-        sphere_count: 1,
-        spheres: None,
-        cluster_count: 4,
-        motion: keyframes(|time| Pose {
-            scale: radius,
-            ..Pose::from_translation(Vec3::from(place) + 0.08 * wave(time, 1.0, 0.2 * number as f64) * Vec3::Y)
-        }),
-        skin: None,
+    let blockers = BLOCKERS.iter().enumerate().map(|(number, &(place, radius, albedo))| {
+        Object::new(format!("sphere {number}"), ball.clone())
+            .albedo(albedo.into())
+            .sphere_count(1)
+            .cluster_count(4)
+            .motion(keyframes(|time| Pose {
+                scale: radius,
+                ..Pose::from_translation(Vec3::from(place) + 0.08 * wave(time, 1.0, 0.2 * number as f64) * Vec3::Y)
+            }))
     });
     let light = SphereLight { center: Vec3::new(-1.2, 3.4, 1.0), radius: 0.5, radiance: Vec3::splat(30.0) };
     Scene {

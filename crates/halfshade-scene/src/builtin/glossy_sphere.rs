@@ -34,16 +34,7 @@ pub(super) fn scene() -> Scene {
         gloss_variation: Some(Arc::new(variation)),
         ..Material::new(Vec3::new(0.12, 0.2, 0.32))
     };
-    let sphere = Object {
-        name: "sphere".into(),
-        mesh: Arc::new(mesh()),
-        material,
-        sphere_count: 0,
-        spheres: None,
-        cluster_count: 64,
-        motion: Motion::Still(Pose::IDENTITY),
-        skin: None,
-    };
+    let sphere = Object::new("sphere", mesh()).material(material).cluster_count(64);
     let light = SphereLight { center: Vec3::new(2.5, 3.0, 3.0), radius: 0.6, radiance: Vec3::splat(30.0) };
     Scene {
         lights: vec![(light, Motion::Still(Pose::IDENTITY))],

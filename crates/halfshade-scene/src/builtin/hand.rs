@@ -8,9 +8,8 @@ use super::implicit::Body;
 use super::polygonize::polygonize;
 use super::{shapes, studio};
 use crate::skin::INFLUENCES;
-use crate::{Camera, Joint, Material, Mesh, Motion, Object, Pose, Scene, Skin};
+use crate::{Camera, Joint, Mesh, Motion, Object, Pose, Scene, Skin};
 use glam::{Affine3A, DQuat, Quat, Vec3};
-use std::sync::Arc;
 
 /// Edge length of the cells that the hand is meshed with.
 const CELL: f64 = 0.022;
@@ -51,29 +50,19 @@ pub(super) fn scene() -> Scene {
     let skin = skin(&mesh);
     let objects = vec![
         ground(Vec3::new(1.9, 0.15, 1.7), [76, 68], Vec3::new(0.62, 0.60, 0.56), 6),
-        Object {
-            name: "hand".into(),
-            mesh: Arc::new(mesh),
-            material: Material::default(),
-            sphere_count: 24,
-            spheres: None,
-            cluster_count: 16,
-            motion: keyframes(|time| upright(Vec3::new(0.0, GAP, -0.15), 0.25 * wave(time, 1.0, 0.0), 1.0)),
-            skin: Some(Arc::new(skin)),
-        },
-        Object {
-            name: "ball".into(),
-            mesh: Arc::new(shapes::sphere(16)),
-            material: Material::new(Vec3::new(0.75, 0.12, 0.07)),
-            sphere_count: 1,
-            spheres: None,
-            cluster_count: 2,
-            motion: keyframes(|time| {
+        Object::new("hand", mesh)
+            .sphere_count(24)
+            .cluster_count(16)
+            .motion(keyframes(|time| upright(Vec3::new(0.0, GAP, -0.15), 0.25 * wave(time, 1.0, 0.0), 1.0)))
+            .skin(skin),
+        Object::new("ball", shapes::sphere(16))
+            .albedo(Vec3::new(0.75, 0.12, 0.07))
+            .sphere_count(1)
+            .cluster_count(2)
+            .motion(keyframes(|time| {
                 let place = Vec3::new(0.62 * wave(time, 1.0, 0.25), 0.40 + 0.1 * wave(time, 2.0, 0.0), 0.75);
                 upright(place, 0.0, 0.2)
-            }),
-            skin: None,
-        },
+            })),
     ];
     Scene {
         camera: Camera {

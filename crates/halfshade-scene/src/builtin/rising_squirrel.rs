@@ -5,9 +5,8 @@
 
 use super::choreography::{DURATION_SECS, FRAME_COUNT, FRAMES_PER_SEC, keyframes};
 use super::{shapes, squirrel_and_balls};
-use crate::{Camera, Environment, Material, Motion, Object, Pose, Scene, SphereLight};
+use crate::{Camera, Environment, Motion, Object, Pose, Scene, SphereLight};
 use glam::Vec3;
-use std::sync::Arc;
 
 /// Vertices along a side of the plane.
 const SIDE: usize = 128;
@@ -20,26 +19,14 @@ const SPEED: f32 = 0.3;
 
 /// The scene.
 pub(super) fn scene() -> Scene {
-    let plane = Object {
-        name: "plane".into(),
-        mesh: Arc::new(shapes::plane(SIDE - 1)),
-        material: Material::new(Vec3::splat(0.75)),
-        sphere_count: 0,
-        spheres: None,
-        cluster_count: 16,
-        motion: Motion::Still(Pose { scale: HALF_SIZE, ..Pose::IDENTITY }),
-        skin: None,
-    };
-    let squirrel = Object {
-        name: "squirrel".into(),
-        mesh: Arc::new(squirrel_and_balls::squirrel_mesh()),
-        material: Material::default(),
-        sphere_count: 64,
-        spheres: None,
-        cluster_count: 12,
-        motion: keyframes(|time| Pose { scale: SIZE, ..Pose::from_translation(Vec3::new(0.2, height_at(time), 0.1)) }),
-        skin: None,
-    };
+    let plane = Object::new("plane", shapes::plane(SIDE - 1))
+        .albedo(Vec3::splat(0.75))
+        .cluster_count(16)
+        .pose(Pose { scale: HALF_SIZE, ..Pose::IDENTITY });
+    let squirrel = Object::new("squirrel", squirrel_and_balls::squirrel_mesh())
+        .sphere_count(64)
+        .cluster_count(12)
+        .motion(keyframes(|time| Pose { scale: SIZE, ..Pose::from_translation(Vec3::new(0.2, height_at(time), 0.1)) }));
     let light = SphereLight { center: Vec3::new(-1.2, 4.0, 1.0), radius: 0.4, radiance: Vec3::splat(40.0) };
     Scene {
         lights: vec![(light, Motion::Still(Pose::IDENTITY))],

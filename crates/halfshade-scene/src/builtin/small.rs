@@ -4,7 +4,7 @@ use super::choreography::{DURATION_SECS, FRAME_COUNT, FRAMES_PER_SEC, keyframes,
 use super::implicit::Body;
 use super::polygonize::polygonize;
 use super::{shapes, studio};
-use crate::{Camera, Environment, Material, Motion, Object, Pose, Scene};
+use crate::{Camera, Environment, Object, Pose, Scene};
 use glam::{Quat, Vec3};
 use rand::{RngExt, SeedableRng};
 use std::f64::consts::TAU;
@@ -17,29 +17,11 @@ use std::sync::Arc;
 pub(super) fn one_sphere() -> Scene {
     let still = |translation| Pose { scale: 3.0, ..Pose::from_translation(translation) };
     let objects = vec![
-        Object {
-            name: "plane".into(),
-            mesh: Arc::new(shapes::plane(64)),
-            material: Material::default(),
-            sphere_count: 0,
-            spheres: None,
-            cluster_count: 4,
-            motion: Motion::Still(still(Vec3::ZERO)),
-            skin: None,
-        },
-        Object {
-            name: "sphere".into(),
-            mesh: Arc::new(shapes::sphere(20)),
-            material: Material::default(),
-            sphere_count: 1,
-            spheres: None,
-            cluster_count: 4,
-            motion: keyframes(|time| Pose {
-                scale: 0.6,
-                ..Pose::from_translation(Vec3::new(0.0, 1.0 + 0.3 * wave(time, 1.0, 0.0), 0.0))
-            }),
-            skin: None,
-        },
+        Object::new("plane", shapes::plane(64)).cluster_count(4).pose(still(Vec3::ZERO)),
+        Object::new("sphere", shapes::sphere(20)).sphere_count(1).cluster_count(4).motion(keyframes(|time| Pose {
+            scale: 0.6,
+            ..Pose::from_translation(Vec3::new(0.0, 1.0 + 0.3 * wave(time, 1.0, 0.0), 0.0))
+        })),
     ];
     Scene {
         camera: Camera {
@@ -61,16 +43,12 @@ const CROWD_ROWS: usize = 8;
 pub(super) fn crowd() -> Scene {
     let blob = Arc::new(polygonize(&blob(), 0.19));
     let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(64);
-    let mut objects = vec![Object {
-        name: "plane".into(),
-        mesh: Arc::new(shapes::plane(64)),
-        material: Material::new(Vec3::splat(0.7)),
-        sphere_count: 0,
-        spheres: None,
-        cluster_count: 8,
-        motion: Motion::Still(Pose { scale: 3.0, ..Pose::IDENTITY }),
-        skin: None,
-    }];
+    let mut objects = vec![
+        Object::new("plane", shapes::plane(64))
+            .albedo(Vec3::splat(0.7))
+            .cluster_count(8)
+            .pose(Pose { scale: 3.0, ..Pose::IDENTITY }),
+    ];
     for number in 0..CROWD_ROWS * CROWD_ROWS {
         let cell = |i: usize| (i as f32 + 0.5) / CROWD_ROWS as f32 * 2.0 - 1.0;
         let mut jitter = || random.random_range(-1.0f32..1.0);
@@ -82,20 +60,15 @@ pub(super) fn crowd() -> Scene {
         let axis = Vec3::new(jitter(), jitter(), jitter()).normalize_or(Vec3::Y);
         let start = Quat::from_rotation_y(3.0 * jitter());
         let color = Vec3::new(0.55 + 0.3 * jitter(), 0.55 + 0.3 * jitter(), 0.55 + 0.3 * jitter());
-        objects.push(Object {
-            name: format!("blob {number}"),
-            mesh: blob.clone(),
-            material: Material::new(color),
-            sphere_count: 4,
-            spheres: None,
-            cluster_count: 1,
-            motion: keyframes(|time| Pose {
-                scale: 0.16,
-                rotation: Quat::from_axis_angle(axis, (TAU * time / DURATION_SECS) as f32) * start,
-                translation: place,
-            }),
-            skin: None,
-        });
+        objects.push(
+            Object::new(format!("blob {number}"), blob.clone()).albedo(color).sphere_count(4).cluster_count(1).motion(
+                keyframes(|time| Pose {
+                    scale: 0.16,
+                    rotation: Quat::from_axis_angle(axis, (TAU * time / DURATION_SECS) as f32) * start,
+                    translation: place,
+                }),
+            ),
+        );
     }
     Scene {
         camera: Camera {

@@ -7,11 +7,10 @@ use super::ground::ground;
 use super::implicit::{Body, smooth_path};
 use super::lathe::{ProfilePoint, lathe};
 use super::polygonize::polygonize;
-use crate::{Camera, Material, Mesh, Motion, Object, Pose, Scene};
+use crate::{Camera, Mesh, Motion, Object, Pose, Scene};
 use glam::{DQuat, Quat, Vec3};
 use std::f32::consts::FRAC_PI_3;
 use std::f64::consts::PI;
-use std::sync::Arc;
 
 /// Chosen for the vertex count.
 const CELL: f64 = 0.0256;
@@ -76,32 +75,17 @@ pub(super) fn scene() -> Scene {
             motion: Motion::Still(Pose::from_translation(Vec3::new(0.0, -ground_half_size.y, 0.0)).then(&slope)),
             ..ground(ground_half_size, [92, 66], Vec3::new(0.60, 0.56, 0.50), 5)
         },
-        Object {
-            name: "squirrel".into(),
-            mesh: Arc::new(squirrel_mesh()),
-            material: Material::default(),
-            sphere_count: 10,
-            spheres: None,
-            cluster_count: 12,
-            motion: keyframes(|time| {
-                let along = -1.45 + travelled(0.30, time) as f32;
-                let on_slope = Pose {
-                    rotation: Quat::from_rotation_y(-0.25 + 0.2 * wave(time, 1.5, 0.0)),
-                    ..Pose::from_translation(Vec3::new(along, GAP, 0.05 * wave(time, 1.5, 0.25)))
-                };
-                on_slope.then(&slope)
-            }),
-            skin: None,
-        },
+        Object::new("squirrel", squirrel_mesh()).sphere_count(10).cluster_count(12).motion(keyframes(|time| {
+            let along = -1.45 + travelled(0.30, time) as f32;
+            let on_slope = Pose {
+                rotation: Quat::from_rotation_y(-0.25 + 0.2 * wave(time, 1.5, 0.0)),
+                ..Pose::from_translation(Vec3::new(along, GAP, 0.05 * wave(time, 1.5, 0.25)))
+            };
+            on_slope.then(&slope)
+        })),
     ];
-    objects.extend(BALLS.iter().map(|ball| Object {
-        name: ball.name.into(),
-        mesh: Arc::new(ball_mesh(ball)),
-        material: Material::default(),
-        sphere_count: 1,
-        spheres: None,
-        cluster_count: 2,
-        motion: keyframes(|time| {
+    objects.extend(BALLS.iter().map(|ball| {
+        Object::new(ball.name, ball_mesh(ball)).sphere_count(1).cluster_count(2).motion(keyframes(|time| {
             let distance = travelled(ball.speed, time);
             let place = Vec3::new(ball.start[0] + distance as f32, ball.radius + GAP, ball.start[1]);
             // Rolling along +X turns around -Z, by the distance over the radius.
@@ -109,8 +93,7 @@ pub(super) fn scene() -> Scene {
             let aslant = Quat::from_rotation_x(0.6 + ball.start[1]);
             let on_slope = Pose { scale: ball.radius, rotation: rolled * aslant, translation: place };
             on_slope.then(&slope)
-        }),
-        skin: None,
+        }))
     }));
     Scene {
         camera: Camera {

@@ -10,7 +10,6 @@ use super::{figures, studio};
 use crate::{Camera, Material, Mesh, Object, Pose, Scene, SphereLight};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_PI_2, TAU};
-use std::sync::Arc;
 
 /// Statues stand this high above the ground, so that no two faces coincide.
 const GAP: f32 = 0.004;
@@ -97,21 +96,18 @@ const STATUES: [Statue; 5] = [
 /// The scene.
 pub(super) fn scene() -> Scene {
     let mut objects = vec![ground(Vec3::new(2.2, 0.15, 1.8), [117, 81], Vec3::new(0.60, 0.57, 0.52), 6)];
-    objects.extend(STATUES.iter().map(|statue| Object {
-        name: statue.name.into(),
-        mesh: Arc::new((statue.mesh)()),
-        material: if statue.polished { polished(Vec3::ONE) } else { Material::default() },
-        sphere_count: statue.spheres,
-        spheres: None,
-        cluster_count: 8,
-        motion: keyframes(|time| {
-            let along = statue.place + statue.slide * wave(time, 1.0, statue.phase);
-            let turned = statue.turns * TAU * (time / DURATION_SECS) as f32;
-            // The figures look along +X.
-            let yaw = statue.facing - FRAC_PI_2 + turned + statue.swing * wave(time, 1.0, statue.phase + 0.25);
-            upright(Vec3::new(along.x, GAP, along.y), yaw, 1.0)
-        }),
-        skin: None,
+    objects.extend(STATUES.iter().map(|statue| {
+        Object::new(statue.name, (statue.mesh)())
+            .material(if statue.polished { polished(Vec3::ONE) } else { Material::default() })
+            .sphere_count(statue.spheres)
+            .cluster_count(8)
+            .motion(keyframes(|time| {
+                let along = statue.place + statue.slide * wave(time, 1.0, statue.phase);
+                let turned = statue.turns * TAU * (time / DURATION_SECS) as f32;
+                // The figures look along +X.
+                let yaw = statue.facing - FRAC_PI_2 + turned + statue.swing * wave(time, 1.0, statue.phase + 0.25);
+                upright(Vec3::new(along.x, GAP, along.y), yaw, 1.0)
+            }))
     }));
     Scene {
         lights: vec![

@@ -5,25 +5,17 @@ use super::choreography::{DURATION_SECS, FRAME_COUNT, FRAMES_PER_SEC, keyframes,
 use super::ground::ground;
 use super::polygonize::polygonize;
 use super::{figures, studio, toys};
-use crate::{Camera, Material, Mesh, Motion, Object, Scene};
+use crate::{Camera, Mesh, Motion, Object, Scene};
 use glam::Vec3;
 use std::f32::consts::{FRAC_PI_2, TAU};
-use std::sync::Arc;
 
 /// Both stand this high above the slab, so that no two faces coincide.
 const GAP: f32 = 0.004;
 
 /// The scene.
 pub(super) fn scene() -> Scene {
-    let object = |name: &str, mesh: Mesh, spheres: usize, motion: Motion| Object {
-        name: name.into(),
-        mesh: Arc::new(mesh),
-        material: Material::default(),
-        sphere_count: spheres,
-        spheres: None,
-        cluster_count: 8,
-        motion,
-        skin: None,
+    let object = |name: &str, mesh: Mesh, spheres: usize, motion: Motion| {
+        Object::new(name, mesh).sphere_count(spheres).cluster_count(8).motion(motion)
     };
     let turning = keyframes(|time| {
         let yaw = 0.6 + TAU * (time / DURATION_SECS) as f32;

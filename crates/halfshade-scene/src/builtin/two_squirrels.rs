@@ -27,27 +27,17 @@ pub(super) fn scene() -> Scene {
         ..Material::new(Vec3::new(0.28, 0.13, 0.06))
     };
     let face = Arc::new(shapes::plane(64));
-    let side = |name: &str, center: Vec3, rotation: Quat| Object {
-        name: name.into(),
-        mesh: face.clone(),
-        material: green.clone(),
-        sphere_count: 0,
-        spheres: None,
-        cluster_count: 8,
-        motion: Motion::Still(Pose { scale: HALF_SIZE, rotation, translation: HALF_SIZE * center }),
-        skin: None,
+    let side = |name: &str, center: Vec3, rotation: Quat| {
+        Object::new(name, face.clone()).material(green.clone()).cluster_count(8).pose(Pose {
+            scale: HALF_SIZE,
+            rotation,
+            translation: HALF_SIZE * center,
+        })
     };
     // One colour: that of the chocolate.
     let body = Arc::new(Mesh { colors: Vec::new(), ..squirrel_and_balls::squirrel_mesh() });
-    let squirrel = |name: &str, motion: Motion| Object {
-        name: name.into(),
-        mesh: body.clone(),
-        material: chocolate.clone(),
-        sphere_count: 512,
-        spheres: None,
-        cluster_count: 12,
-        motion,
-        skin: None,
+    let squirrel = |name: &str, motion: Motion| {
+        Object::new(name, body.clone()).material(chocolate.clone()).sphere_count(512).cluster_count(12).motion(motion)
     };
     let turning = keyframes(|time| {
         let place = Vec3::new(-0.9, GAP, 0.05 + 0.1 * wave(time, 1.0, 0.0));

@@ -5,10 +5,9 @@ use super::ground::ground;
 use super::lathe::lathe;
 use super::profile::spline_profile;
 use super::studio;
-use crate::{Camera, Material, Mesh, Object, Scene};
+use crate::{Camera, Mesh, Object, Scene};
 use glam::Vec3;
 use std::f64::consts::PI;
-use std::sync::Arc;
 
 const SEGMENTS: usize = 48;
 const PROFILE_POINTS: usize = 42;
@@ -198,21 +197,14 @@ const VASES: [Vase; 5] = [
 /// The scene.
 pub(super) fn scene() -> Scene {
     let mut objects = vec![ground(Vec3::new(2.2, 0.15, 1.9), [72, 62], Vec3::new(0.62, 0.60, 0.56), 5)];
-    objects.extend(VASES.iter().map(|vase| Object {
-        name: vase.name.into(),
-        mesh: Arc::new(mesh(vase)),
-        material: Material::default(),
-        sphere_count: vase.spheres,
-        spheres: None,
-        cluster_count: 6,
-        motion: keyframes(|time| {
+    objects.extend(VASES.iter().map(|vase| {
+        Object::new(vase.name, mesh(vase)).sphere_count(vase.spheres).cluster_count(6).motion(keyframes(|time| {
             let swing = wave(time, 1.0, vase.phase);
             let lift = 0.03 * (1.0 - wave(time, 1.0, vase.phase + 0.1));
             let place =
                 Vec3::new(vase.place[0] + vase.slide[0] * swing, GAP + lift, vase.place[1] + vase.slide[1] * swing);
             upright(place, (time * PI / 4.0) as f32 + 2.0 * vase.phase as f32, 1.0)
-        }),
-        skin: None,
+        }))
     }));
     Scene {
         camera: Camera {

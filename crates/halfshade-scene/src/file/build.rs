@@ -166,9 +166,6 @@ fn object(
         }
     };
     Ok(Object {
-        name: table.name.unwrap_or(default_name),
-        mesh,
-        material,
         sphere_count: whole(
             source,
             "spheres",
@@ -176,10 +173,9 @@ fn object(
             0..=MAX_SPHERES as i64,
             if is_plane { 0 } else { DEFAULT_SPHERE_COUNT },
         )?,
-        spheres: None,
         cluster_count: whole(source, "clusters", table.clusters, 0..=MAX_CLUSTERS, 0)?,
-        motion,
         skin,
+        ..Object::new(table.name.unwrap_or(default_name), mesh).material(material).motion(motion)
     })
 }
 

@@ -75,8 +75,7 @@ pub(super) fn bounds_of(objects: &[Object]) -> (DVec3, DVec3) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Environment, Material, Motion, Pose, Scene, builtin::shapes::box_mesh};
-    use std::sync::Arc;
+    use crate::{Environment, Pose, Scene, builtin::shapes::box_mesh};
 
     #[test]
     fn every_corner_of_the_box_is_in_the_picture() {
@@ -111,16 +110,7 @@ mod tests {
     fn bounds_far_away_keep_their_size() {
         let place = Pose { scale: 1e-5, ..Pose::from_translation(Vec3::new(1000.0, 500.0, -1000.0)) };
         let mut scene = Scene::at_rest("far", Vec::new(), Environment::constant(Vec3::ONE));
-        scene.objects.push(Object {
-            name: "box".into(),
-            mesh: Arc::new(box_mesh(1)),
-            material: Material::new(Vec3::ONE),
-            sphere_count: 0,
-            spheres: None,
-            cluster_count: 0,
-            motion: Motion::Still(place),
-            skin: None,
-        });
+        scene.objects.push(Object::new("box", box_mesh(1)).albedo(Vec3::ONE).pose(place));
         let (min, max) = bounds_of(&scene.objects);
         assert!((max - min).abs_diff_eq(DVec3::splat(2e-5), 1e-11), "{min} {max}");
     }

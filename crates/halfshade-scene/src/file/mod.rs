@@ -66,11 +66,10 @@ mod values;
 
 pub use build::DEFAULT_SPHERE_COUNT;
 
-use crate::{Environment, Material, Motion, Object, Pose, Scene, SceneError, builtin, mesh, text};
+use crate::{Environment, Object, Pose, Scene, SceneError, builtin, mesh, text};
 use glam::Vec3;
 use source::Source;
 use std::path::Path;
-use std::sync::Arc;
 
 /// Reads a scene file and all that it names; sphere sets are not built yet.
 pub fn load(path: &Path) -> Result<Scene, SceneError> {
@@ -87,30 +86,12 @@ pub fn from_mesh(path: &Path, environment: Environment) -> Result<Scene, SceneEr
     let (min, max) = mesh.bounds().ok_or_else(|| SceneError::new("the mesh is empty").in_file(path))?;
     let name = source::stem(path);
     let center = 0.5 * (min + max);
-    let ground = Object {
-        name: "ground".to_owned(),
-        mesh: Arc::new(builtin::shapes::plane(128)),
-        material: Material::new(Vec3::splat(0.5)),
-        sphere_count: 0,
-        spheres: None,
-        cluster_count: 0,
-        motion: Motion::Still(Pose {
-            // Wide enough that the penumbra of a light 30 degrees high ends on it.
-            scale: 1.5 * (max - min).length(),
-            ..Pose::from_translation(Vec3::new(center.x, min.y, center.z))
-        }),
-        skin: None,
-    };
-    let object = Object {
-        name: name.clone(),
-        mesh: Arc::new(mesh),
-        material: Material::new(Vec3::splat(0.8)),
-        sphere_count: DEFAULT_SPHERE_COUNT,
-        spheres: None,
-        cluster_count: 0,
-        motion: Motion::Still(Pose::IDENTITY),
-        skin: None,
-    };
+    let ground = Object::new("ground", builtin::shapes::plane(128)).albedo(Vec3::splat(0.5)).pose(Pose {
+        // Wide enough that the penumbra of a light 30 degrees high ends on it.
+        scale: 1.5 * (max - min).length(),
+        ..Pose::from_translation(Vec3::new(center.x, min.y, center.z))
+    });
+    let object = Object::new(name.clone(), mesh).albedo(Vec3::splat(0.8)).sphere_count(DEFAULT_SPHERE_COUNT);
     Ok(Scene {
         camera: framing::camera_on(min.as_dvec3(), max.as_dvec3()).map_err(|error| error.in_file(path))?,
         notes: source::named_notes(path, notes),

@@ -3,7 +3,7 @@
 use crate::scenes::{assert_agrees, ball, icosphere, normals_around, object, on_the_ground, room, run, scene, square};
 use glam::{DVec3, Vec3};
 use halfshade_scene::{
-    Environment, Material, Mesh, Object, Pose, ReceiverBuffer, Scene, SphereLight,
+    Environment, Mesh, Object, Pose, ReceiverBuffer, Scene, SphereLight,
     builtin::shapes,
     light::{EnvironmentMap, Sun},
     progress::Silent,
@@ -16,7 +16,7 @@ const SPHERES: Geometry = Geometry::Spheres(AdjustRule::Continuous);
 const BLACK: Environment = Environment::constant(Vec3::ZERO);
 
 fn with_albedo(object: Object, albedo: Vec3) -> Object {
-    Object { material: Material::new(albedo), ..object }
+    object.albedo(albedo)
 }
 
 fn bounced(bounces: usize, samples: usize) -> Options {
@@ -280,7 +280,7 @@ fn what_is_degenerate_stays_finite() {
     let mut flat = square(2);
     flat.normals.iter_mut().for_each(|normal| *normal = Vec3::ZERO);
     flat.triangles.push([0, 1, 0]);
-    let bare = Object { spheres: None, ..object(Mesh::default(), Pose::IDENTITY) };
+    let bare = object(Mesh::default(), Pose::IDENTITY);
     let mut twins = two_balls(1.0);
     // The same ball twice, one on top of the other, and one whose set has no mesh.
     twins.objects = vec![twins.objects[0].clone(), twins.objects[0].clone(), object(flat, Pose::IDENTITY), bare];

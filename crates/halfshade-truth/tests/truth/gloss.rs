@@ -29,7 +29,7 @@ fn diffuse_in_disguise(k: f64) -> Reflectance {
 }
 
 fn with(object: Object, albedo: f32, reflectance: Reflectance) -> Object {
-    Object { material: Material { reflectance, ..Material::new(Vec3::splat(albedo)) }, ..object }
+    object.material(Material { reflectance, ..Material::new(Vec3::splat(albedo)) })
 }
 
 /// A black speck far below that carries the material, seen from `eye`.

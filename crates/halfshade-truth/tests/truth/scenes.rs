@@ -2,11 +2,10 @@
 
 use glam::{DVec3, Vec3};
 use halfshade_scene::{
-    Environment, Material, Mesh, Motion, Object, Pose, ReceiverBuffer, Scene, Sphere, SphereLight, SphereSet,
-    progress::Silent,
+    Environment, Mesh, Motion, Object, Pose, ReceiverBuffer, Scene, Sphere, SphereLight, SphereSet, progress::Silent,
 };
 use halfshade_truth::{Estimate, Options, Tracer};
-use std::{collections::HashMap, sync::Arc};
+use std::collections::HashMap;
 
 /// A sphere of radius 1 from an icosahedron whose faces are divided `depth` times in four; vertices on the sphere.
 pub(crate) fn icosphere(depth: usize) -> Mesh {
@@ -91,27 +90,14 @@ pub(crate) fn room() -> Mesh {
 }
 
 pub(crate) fn object(mesh: Mesh, pose: Pose) -> Object {
-    Object {
-        name: "object".into(),
-        mesh: Arc::new(mesh),
-        material: Material::default(),
-        sphere_count: 0,
-        spheres: None,
-        cluster_count: 0,
-        motion: Motion::Still(pose),
-        skin: None,
-    }
+    Object::new("object", mesh).pose(pose)
 }
 
 /// A finely meshed sphere with itself as its sphere set.
 pub(crate) fn ball(center: Vec3, radius: f32) -> Object {
     let spheres = vec![Sphere { center: Vec3::ZERO, radius: 1.0 }];
     let pose = Pose { scale: radius, ..Pose::from_translation(center) };
-    Object {
-        sphere_count: 1,
-        spheres: Some(Arc::new(SphereSet { spheres, ..SphereSet::default() })),
-        ..object(icosphere(6), pose)
-    }
+    object(icosphere(6), pose).spheres(SphereSet { spheres, ..SphereSet::default() })
 }
 
 pub(crate) fn scene(objects: Vec<Object>, environment: Environment, lights: Vec<SphereLight>) -> Scene {
