@@ -1,7 +1,6 @@
 //! Damaged files: whatever the bytes, loaders answer with a mesh, a map or an error, and never panic.
 
-mod glb;
-
+use super::gltf::glb;
 use glam::Vec3;
 use halfshade_scene::light::{ProbeOptions, Projection, load_probe};
 use halfshade_scene::{SceneError, Texture, builtin, file, mesh};
@@ -41,7 +40,7 @@ static SOUND: LazyLock<Vec<(&'static str, Vec<u8>)>> = LazyLock::new(|| {
         files.push((name, binary));
     }
 
-    files.push(("sound.glb", glb(&positions, &triangles)));
+    files.push(("sound.glb", tetrahedron_glb(&positions, &triangles)));
 
     let mut hdr = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\nEXPOSURE=2\n\n-Y 4 +X 8\n".to_vec();
     for row in 0..4_u8 {
@@ -79,7 +78,7 @@ fn tetrahedron() -> (Vec<Vec3>, Vec<[u32; 3]>) {
     (positions, vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
 }
 
-fn glb(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<u8> {
+fn tetrahedron_glb(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<u8> {
     let json = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
         "meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],
         "accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[2,2,2]},
@@ -191,7 +190,7 @@ fn garbage_empty_missing_and_unknown_files_are_named() {
 #[test]
 fn a_gltf_with_its_buffer_beside_it_needs_all_of_it() {
     let (positions, triangles) = tetrahedron();
-    let whole = glb(&positions, &triangles);
+    let whole = tetrahedron_glb(&positions, &triangles);
     let json_length = u32::from_le_bytes(whole[12..16].try_into().unwrap()) as usize;
     let json = String::from_utf8(whole[20..20 + json_length].to_vec()).unwrap();
     let json = json.replace(r#"[{"byteLength":96}]"#, r#"[{"byteLength":96,"uri":"a%20b.bin"}]"#);

@@ -72,7 +72,7 @@
 //! is a spherical light infinitely far away, also one that is found in the map (`env-lamps`). One mask of all directions
 //! serves all lobes (`env-depth`): see `environment/mod.rs`. Of a sky with a window and a lamp, 16 lobes miss unblocked
 //! radiance by 0.002 of its mean (RMS), and what five spheres leave of it by 0.029, 0.013, 0.009 and 0.008 at depth 3, 4, 5
-//! and 6; at depth 5, 8 lobes by 0.010 and 64 by 0.007 (`tests/cosine_lobe_environment.rs`). On `vases` and
+//! and 6; at depth 5, 8 lobes by 0.010 and 64 by 0.007 (`tests/cosine_lobe/environment.rs`). On `vases` and
 //! `teapot-and-statue` the relative RMSE against the spheres' truth is 0.009, where exponentiated spherical harmonics of 6
 //! bands have 0.03 to 0.05 in a quarter to two thirds of the time (`experiments/environment-lobes.toml`). Under ten captured
 //! probes over a rabbit of 16 spheres it is 0.005 to 0.017, where they have 0.010 to 0.15 (`tests/tests/shared_assets.rs`);

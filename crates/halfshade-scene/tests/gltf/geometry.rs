@@ -1,9 +1,7 @@
 //! Geometry of glTF files: what stands where, against closed forms.
 
-mod glb;
-
+use super::glb::{self, Builder};
 use glam::{DVec3, Quat, Vec3};
-use glb::Builder;
 use halfshade_scene::mesh::{self, Animation, Mesh};
 use halfshade_scene::{SceneError, Skin};
 use std::path::PathBuf;

@@ -1,9 +1,7 @@
 //! Files that are no glTF 2.0, or damaged: errors say where, what and what to do, and no damage makes the reader panic.
 
-mod glb;
-
+use super::glb::{self, Builder};
 use glam::Vec3;
-use glb::Builder;
 use halfshade_scene::SceneError;
 use halfshade_scene::mesh::{self, Animation, Mesh};
 use rand::{RngExt, SeedableRng};

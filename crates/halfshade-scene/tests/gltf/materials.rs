@@ -1,9 +1,7 @@
 //! Base colour and alpha of glTF files, against closed forms.
 
-mod glb;
-
+use super::glb::Builder;
 use glam::{DVec3, Vec3};
-use glb::Builder;
 use halfshade_scene::SceneError;
 use halfshade_scene::mesh::{self, Mesh};
 

@@ -1,7 +1,6 @@
 //! Skins and animations of glTF files, against closed forms.
 
-mod glb;
-
+use super::glb;
 use glam::{Affine3A, Mat4, Quat, Vec3};
 use halfshade_scene::mesh::{self, Animation};
 use halfshade_scene::{Scene, SceneError, Skin, file};

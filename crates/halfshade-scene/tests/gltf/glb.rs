@@ -18,14 +18,12 @@ pub(crate) fn glb(json: &str, data: &[u8]) -> Vec<u8> {
 
 /// Accessors and their data, one view each.
 #[derive(Default)]
-#[allow(dead_code, reason = "not every test binary builds documents of its own")]
 pub(crate) struct Builder {
     data: Vec<u8>,
     views: Vec<String>,
     accessors: Vec<String>,
 }
 
-#[allow(dead_code, reason = "not every test binary builds documents of its own")]
 impl Builder {
     /// A view of these bytes.
     pub(crate) fn view(&mut self, bytes: &[u8]) -> usize {

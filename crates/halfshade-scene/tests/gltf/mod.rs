@@ -1,0 +1,7 @@
+//! glTF.
+
+mod geometry;
+pub(crate) mod glb;
+mod materials;
+mod refusals;
+mod skins;

@@ -1,0 +1,6 @@
+//! Tests that several methods pass alike.
+
+mod channels;
+mod deformation;
+mod ground_scale;
+mod invariants;

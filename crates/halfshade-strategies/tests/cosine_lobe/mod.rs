@@ -1,0 +1,4 @@
+//! Cosine lobes.
+
+mod environment;
+mod lamps;

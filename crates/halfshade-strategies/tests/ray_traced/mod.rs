@@ -1,0 +1,3 @@
+//! Ray tracing.
+
+mod cutouts;

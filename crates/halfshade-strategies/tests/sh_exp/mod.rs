@@ -1,0 +1,4 @@
+//! SH exponentiation.
+
+mod reflections;
+mod stability;

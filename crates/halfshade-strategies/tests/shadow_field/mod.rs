@@ -1,0 +1,3 @@
+//! Shadow fields.
+
+mod end_to_end;
