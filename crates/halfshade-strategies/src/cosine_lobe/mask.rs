@@ -333,9 +333,20 @@ mod tests {
         let mut mask = Mask::new(5);
         let unlit = Unlit::new(5, |_| false);
         mask.clear();
-        for bad in [f32::NAN, f32::INFINITY, -1.0, 0.0, f32::MAX] {
+        mask.splat(&Disc { center: [0.1, -0.2], radius: 0.5 });
+        let sound = [mask.whole.rows(), mask.part.rows()];
+        assert!(sound.iter().all(|rows| rows.iter().any(|bits| *bits != 0)));
+        // Coordinates that are no numbers, or so large that the disc lies nowhere near.
+        for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX, -f32::MAX] {
             mask.splat(&Disc { center: [bad, 0.3], radius: 0.1 });
-            mask.splat(&Disc { center: [0.3, -bad], radius: 1e-9 });
+            mask.splat(&Disc { center: [0.3, bad], radius: 0.1 });
+            mask.splat(&Disc { center: [0.3, bad], radius: 1e-9 });
+            assert_eq!([mask.whole.rows(), mask.part.rows()], sound, "{bad}");
+        }
+        // Discs at a cell's corner and at the square's edge that are smaller than any cell.
+        for corner in [-1.0, 0.0, 1.0] {
+            mask.splat(&Disc { center: [0.3, corner], radius: 1e-9 });
+            assert_eq!(mask.whole.rows(), sound[0], "{corner}");
         }
         mask.clear();
         mask.splat(&Disc { center: [900.0, 0.0], radius: 902.0 });
