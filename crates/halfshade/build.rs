@@ -12,7 +12,7 @@ fn main() {
     println!("cargo::rustc-env=HALFSHADE_COMMIT={}", commit.unwrap_or_default());
 }
 
-/// What git says, without the line's end; nothing where there is no git or no repository.
+/// Git's answer without the line's end; `None` where there is no git or no repository.
 fn git(arguments: &[&str]) -> Option<String> {
     let output = Command::new("git").args(arguments).output().ok().filter(|output| output.status.success())?;
     Some(String::from_utf8(output.stdout).ok()?.trim().to_owned())

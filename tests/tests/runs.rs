@@ -249,7 +249,7 @@ fn what_stands_in_the_way_of_results_is_named_and_left() {
         assert!(error.contains(&format!("small/{file}: ")), "{error}");
         assert_eq!(tree(&out), before);
     }
-    // What a run wrote and somebody changed is somebody's.
+    // A file that a run wrote and somebody changed is somebody's.
     let here = prepared();
     stdout(halfshade(here.path()).args(["run", "small.toml"]));
     let report = here.path().join("out/small/report.md");
@@ -336,7 +336,7 @@ fn a_changed_input_is_named_and_nothing_is_mixed() {
     let notes = String::from_utf8(again.stderr).unwrap();
     assert!(notes.contains("this run is finished"), "{notes}");
     assert_eq!(fs::read(here.path().join("out/small/results.json")).unwrap(), finished);
-    // What has gone since is written again as it was, pictures aside: those need shading.
+    // Files that have gone since are written again as they were, except pictures, which need shading.
     let out = here.path().join("out/small");
     let before = tree(&out);
     for name in ["report.md", "results.csv"] {

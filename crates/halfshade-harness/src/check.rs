@@ -50,16 +50,16 @@ struct Figure {
 struct Part<'a> {
     /// Empty: all.
     class: &'a str,
-    /// Of the weight of all.
+    /// Share of the weight of all.
     share: f64,
     before: &'a Metrics,
     after: &'a Metrics,
 }
 
-/// What a comparison found.
+/// Findings of a comparison.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
-    /// What moved beyond the tolerance, either way, and what is new or gone.
+    /// Figures that moved beyond the tolerance, either way, and runs that are new or gone.
     pub moved: Table,
     /// How many runs were compared.
     pub compared: usize,
@@ -156,9 +156,9 @@ pub fn compare(now: &Results, baseline: &Results) -> Result<Comparison, HarnessE
     Ok(Comparison { moved, compared: measured.len(), figures: count, failures })
 }
 
-/// What to do about a baseline that doesn't serve.
+/// Advice about a baseline that doesn't serve.
 const RENEW: &str = "renew the baseline, which is the results.json of a run";
-/// Verdicts on what is on one side only.
+/// Verdicts on runs that are on one side only.
 const GONE: &str = "FAILED: no longer measured";
 const NEW: &str = "FAILED: not in the baseline, renew it";
 
@@ -209,7 +209,7 @@ impl Part<'_> {
         if self.class.is_empty() { FIGURES } else { MEANS }
     }
 
-    /// What a figure of it is called.
+    /// Name of one of its figures.
     fn name(&self, figure: &str) -> String {
         if self.class.is_empty() { figure.to_owned() } else { format!("{figure}, {}", self.class) }
     }
@@ -308,7 +308,7 @@ mod tests {
             |m, by| m.max *= by,
         ];
         for (number, grow) in grow.iter().enumerate() {
-            // What the figure's noise hides is told by the noise that the example claims: the maximum's is 0.3 %.
+            // The noise that the example claims says how much a figure's noise hides: the maximum's is 0.3 %.
             assert_eq!(verdict(&changed(|m| grow(m, 1.05)), &example()), (2, 1, 1), "figure {number}");
             assert_eq!(verdict(&changed(|m| grow(m, 1.0 / 1.05)), &example()).1, 0, "figure {number}");
             assert_eq!(verdict(&example(), &changed(|m| grow(m, 0.0))), (2, 1, 1), "figure {number}");

@@ -1,4 +1,4 @@
-//! What can go wrong around a measurement, in words a user can act on.
+//! Errors around a measurement, in words a user can act on.
 
 use halfshade_scene::SceneError;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ pub enum HarnessError {
         path: Option<PathBuf>,
         /// Line in the file, counted from 1.
         line: Option<usize>,
-        /// What is wrong and what to do.
+        /// The mistake, and how to mend it.
         problem: String,
     },
     /// A file that cannot be read or written.
@@ -26,7 +26,7 @@ pub enum HarnessError {
         path: PathBuf,
         /// `read`, `write`, ..
         action: &'static str,
-        /// What the system says.
+        /// The system's error.
         source: std::io::Error,
     },
 }

@@ -1,11 +1,11 @@
-//! What a strategy is compared with, and how far it is from it, receiver by receiver.
+//! A reference for strategies, and their errors against it, receiver by receiver.
 
 use crate::weights::ReceiverWeights;
 use halfshade_scene::RadianceBuffer;
 use halfshade_truth::Hider;
 use std::sync::Arc;
 
-/// What a strategy is compared with.
+/// Radiance that a strategy is compared with.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reference {
     /// Radiance.
@@ -18,7 +18,7 @@ pub struct Reference {
     pub unshadowed_mean: f64,
     /// How much each receiver counts.
     pub weights: Arc<ReceiverWeights>,
-    /// What hides the light at each receiver; empty unless errors are told by class.
+    /// The kind of object that hides the light at each receiver; empty unless errors are told by class.
     pub hiders: Arc<[Hider]>,
 }
 

@@ -70,10 +70,10 @@ pub struct Experiment {
     /// Which points are scored.
     #[serde(default = "vertices", deserialize_with = "distinct")]
     pub receivers: Vec<ReceiverKind>,
-    /// What strategies are compared with.
+    /// References that strategies are compared with.
     #[serde(default = "mesh_only", deserialize_with = "distinct")]
     pub references: Vec<ReferenceKind>,
-    /// What vertices count by.
+    /// Weights of vertices.
     #[serde(default = "area")]
     pub weights: Weighting,
     /// Whether errors are told by class of what hides the light at a receiver.
@@ -89,7 +89,7 @@ pub struct Experiment {
     pub truth: TruthSettings,
     /// How time is measured, if it is.
     pub timing: Option<TimingSettings>,
-    /// What is drawn, if anything.
+    /// Pictures to draw, if any.
     pub pictures: Option<PictureSettings>,
     /// The scenes.
     #[serde(rename = "scene")]
@@ -160,7 +160,7 @@ pub struct Published {
 pub enum ReceiverKind {
     /// Every vertex of every object.
     Vertices,
-    /// What the camera sees, one point per pixel.
+    /// Surface points that the camera sees, one per pixel.
     Pixels,
 }
 
@@ -173,7 +173,7 @@ impl fmt::Display for ReceiverKind {
     }
 }
 
-/// What a strategy is compared with, so that its error can be taken apart.
+/// References by kind: differences between them take a strategy's error apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ReferenceKind {
     /// `mesh`: the truth itself.
@@ -251,7 +251,7 @@ pub struct TimingSettings {
     pub threads: Option<NonZeroUsize>,
 }
 
-/// What is drawn.
+/// Settings of pictures.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PictureSettings {
@@ -307,7 +307,7 @@ fn folder_name<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::
 }
 
 fn sphere_count<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<NonZeroUsize>, D::Error> {
-    /// Of all objects together; what one can use is another bound.
+    /// Bound for all objects together; a single object has its own.
     const MOST: usize = 100_000;
     let fits = |count: &NonZeroUsize| count.get() <= MOST;
     fitting(deserializer, &format!("expected a whole number of spheres from 1 to {MOST}"), fits).map(Some)

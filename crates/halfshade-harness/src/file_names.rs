@@ -94,7 +94,7 @@ mod tests {
         ];
         let mut seen: HashMap<String, String> = HashMap::new();
         let names = names.map(str::to_owned).into_iter().chain([long(""), long("b"), long("c"), "é".repeat(130)]);
-        // What a name becomes is another name, and that is another file again.
+        // A name's file name is itself a name, of another file.
         let names: Vec<String> = names.flat_map(|name| [file_name(&name), name]).collect();
         for name in names {
             let file = file_name(&name);

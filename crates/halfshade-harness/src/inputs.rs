@@ -18,7 +18,7 @@ pub fn relative_to(folder: &Path, files: Vec<InputFile>) -> Vec<InputFile> {
     files
 }
 
-/// What differs between the inputs of two runs, for people; nothing if they are the same.
+/// Differences between the inputs of two runs, for people; empty if they are the same.
 pub fn changes(before: &[InputFile], now: &[InputFile]) -> Vec<String> {
     let has = |files: &[InputFile], path: &Path| files.iter().any(|file| file.path == path);
     let mut changes = Vec::new();

@@ -19,7 +19,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// What is being run; a journal can only be continued by the same.
+/// Identity of a run; a journal can only be continued by the same one.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Header {
     /// [`SCHEMA`].
@@ -218,7 +218,7 @@ impl Journal {
             .map_err(|error| HarnessError::in_file(&self.path, format!("cannot be written as JSON: {error}")))?;
         let line = self.chain.line(&json);
         if let Err(source) = self.file.write_all(line.as_bytes()) {
-            // What was written before stays whole; the error of this cut, if any, is the one already reported.
+            // Earlier lines stay whole. An error of this cut would be the one already reported.
             let _ = self.file.set_len(self.length);
             return Err(HarnessError::io(&self.path, "write", source));
         }

@@ -49,16 +49,16 @@ pub struct Metrics {
     /// Standard deviations of the other figures; missing in results of older versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bias_noise: Option<f64>,
-    /// Of `mae`.
+    /// Noise of `mae`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mae_noise: Option<f64>,
-    /// Of `p95`.
+    /// Noise of `p95`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub p95_noise: Option<f64>,
-    /// Of `p99`.
+    /// Noise of `p99`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub p99_noise: Option<f64>,
-    /// Of `max`.
+    /// Noise of `max`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_noise: Option<f64>,
     /// Whether the truth can tell this error from none.

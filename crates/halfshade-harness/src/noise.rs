@@ -1,6 +1,6 @@
 //! How far the truth's noise moves each figure: one standard deviation under another seed of the truth.
 //!
-//! What is independent are the receivers: channels of a receiver share their rays and err together. Each receiver comes
+//! Receivers are independent, while the channels of a receiver share their rays and err together. Each receiver comes
 //! with draws h of its noise (see `halfshade_truth::estimate`), which have its tails and its correlation between channels;
 //! nothing below assumes that it is normal. With e = strategy − truth per channel, w a receiver's share of the weight, c
 //! over channels and k over draws:
@@ -41,7 +41,7 @@ struct Candidate {
     draws: [f64; DRAWS],
 }
 
-/// Of the figures of `errors`. Without draws the truth is exact, or nobody asks.
+/// Noise of the figures of `errors`. Without draws the truth is exact, or nobody asks.
 pub(crate) fn noise(errors: &Errors<'_>) -> Noise {
     let draws = &errors.reference.draws;
     if draws.is_empty() {
@@ -87,7 +87,7 @@ fn variance(values: impl Iterator<Item = f64> + Clone) -> f64 {
 fn of_largest(errors: &Errors<'_>) -> [f64; 3] {
     let draws = &errors.reference.draws;
     let reach = |i: usize, c: usize| draws.iter().map(|draw| f64::from(draw.channels[c][i].abs())).fold(0.0, f64::max);
-    // What surely stays above the 94th percentile whatever is drawn.
+    // Errors that surely stay above the 94th percentile whatever is drawn.
     let mut least: Vec<(f64, f64)> = errors
         .counted()
         .flat_map(|(i, weight)| (0..3).map(move |c| (i, c, weight)))

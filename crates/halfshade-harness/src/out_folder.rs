@@ -18,16 +18,16 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// What a run keeps for itself, below its folder.
+/// Subfolder that a run keeps for itself.
 pub const PRIVATE: &str = ".halfshade";
 
-/// What a file is called in the private folder until it is whole: this and the hash of its content, which is listed.
+/// Prefix of a file in the private folder until it is whole. The hash of its content follows, which is listed.
 const UNFINISHED: &str = "unfinished-";
 
 /// The first line of the list of what was written.
 const SCHEMA: &str = "halfshade.written/1";
 
-/// What to do about something that is in the way.
+/// Advice about something that is in the way.
 const ELSEWHERE: &str = "move it away, or choose another folder with --out";
 
 /// A folder that no other run writes into.
@@ -51,11 +51,11 @@ struct Line {
     blake3: String,
 }
 
-/// What lies where a file is to be written.
+/// Content of the place where a file is to be written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Place {
     Free,
-    /// What a run wrote.
+    /// A file that a run wrote.
     Ours,
     /// Anything else.
     Foreign,
@@ -127,7 +127,7 @@ impl OutFolder {
         let folder = self.private().join("truth");
         if fs::symlink_metadata(&folder).is_ok_and(|metadata| metadata.is_dir()) {
             self.remove_own(&folder, cache::is_entry);
-            // What isn't empty stays, and isn't ours.
+            // A folder that isn't empty stays: the rest in it isn't ours.
             let _ = fs::remove_dir(&folder);
         }
     }
@@ -283,7 +283,7 @@ impl Written {
         }
     }
 
-    /// What lies at `file` below `folder`.
+    /// Looks up what lies at `file` below `folder`.
     fn place(&self, folder: &Path, file: &Path) -> Result<Place, HarnessError> {
         let path = folder.join(file);
         // Folders on the way, which may be links.

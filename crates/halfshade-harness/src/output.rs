@@ -5,7 +5,7 @@ use halfshade_scene::InputFile;
 use std::{fs, io::Write, path::Path};
 use tempfile::{Builder, NamedTempFile};
 
-/// What temporary files begin with.
+/// Prefix of temporary files.
 const TEMPORARY: &str = ".halfshade-";
 
 /// Writes `bytes` to `path`: to a temporary file beside it, flushed to the disk, then renamed. On any error the old

@@ -8,7 +8,7 @@ use halfshade_truth::Tracer;
 /// Camera rays per pixel and axis where receivers are vertices: edges are smoothed, at no cost in receivers.
 const SUPERSAMPLE: u32 = 2;
 
-/// What a camera sees, in terms of receivers.
+/// A camera's picture in terms of receivers.
 #[derive(Debug, Clone)]
 pub struct Projection {
     width: usize,

@@ -23,7 +23,7 @@ pub struct Accuracy {
     pub seed: u64,
 }
 
-/// What was computed for one reference; what is kept in the cache.
+/// A computed reference as the cache keeps it.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct Stored {
     radiance: [Vec<f32>; 3],
@@ -41,7 +41,7 @@ impl Stored {
     }
 }
 
-/// What traces references.
+/// Traces references.
 pub struct ReferenceTracer<'a> {
     /// How exact they are.
     pub accuracy: Accuracy,

@@ -1,4 +1,4 @@
-//! What the truth depends on, by its exact bits: the key under which it is kept.
+//! The key under which the truth is kept: everything that it depends on, by its exact bits.
 //!
 //! Every structure is taken apart without `..`: a field that is added must find its place here before this compiles. What
 //! is left out is named, with the reason.
@@ -47,7 +47,7 @@ fn of_scene(key: CacheKey, scene: &Scene) -> CacheKey {
         name: _,
         objects,
         environment,
-        // What these come to at a moment is in the frame.
+        // Their values at a moment are in the frame.
         environment_turn_per_sec: _,
         lights: _,
         camera,
@@ -80,7 +80,7 @@ fn of_object(key: CacheKey, object: &Object) -> CacheKey {
         spheres,
         // For strategies.
         cluster_count: _,
-        // What these come to at a moment is in the frame.
+        // Their values at a moment are in the frame.
         motion: _,
         skin: _,
     } = object;

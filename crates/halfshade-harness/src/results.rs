@@ -1,4 +1,4 @@
-//! What is kept of an experiment: the schema of `results.json`, `halfshade.results/1`.
+//! Results of an experiment: the schema of `results.json`, `halfshade.results/1`.
 //!
 //! Keys may be added, none is renamed; units stand in names. What was not measured is `null`.
 
@@ -32,7 +32,7 @@ pub struct Results {
     pub quick: bool,
     /// Version and commit of the program.
     pub revision: String,
-    /// What it ran on.
+    /// The machine that it ran on.
     pub machine: Machine,
     /// Names of all strategies in a fixed order, which gives each its colour.
     pub strategies: Vec<String>,
@@ -47,7 +47,7 @@ pub struct Results {
     pub pictures: Vec<PictureFiles>,
 }
 
-/// What an experiment ran on.
+/// The machine that an experiment ran on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Machine {
     /// Model of the processor.
@@ -110,7 +110,7 @@ pub struct Run {
     pub reason: Option<String>,
     /// How far off it is.
     pub error: Option<ErrorFigures>,
-    /// What it was compared with.
+    /// The truth that it was compared with.
     pub truth: Option<TruthFigures>,
     /// How long it took.
     pub time: Option<TimeFigures>,
@@ -124,7 +124,7 @@ pub struct Run {
 /// A list of figures under a name.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Detail {
-    /// What they are.
+    /// Their meaning.
     pub name: String,
     /// The figures, in an order that the name tells.
     pub values: Vec<f64>,
@@ -163,13 +163,13 @@ pub struct ErrorFigures {
     /// Over receivers.
     #[serde(flatten)]
     pub metrics: Metrics,
-    /// What receivers count by; in results of older versions all count alike.
+    /// Weights of receivers; in results of older versions all count alike.
     #[serde(default = "equal")]
     pub weights: Weighting,
     /// By class of what hides the light, if the experiment asks for it.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub classes: Vec<ClassError>,
-    /// Of the picture, where one was drawn: `flip` and `ssim`.
+    /// Similarity of the pictures, where they were drawn: `flip` and `ssim`.
     #[serde(flatten)]
     pub similarity: Similarity,
 }
@@ -178,7 +178,7 @@ fn equal() -> Weighting {
     Weighting::Equal
 }
 
-/// What a run was compared with.
+/// The truth that a run was compared with.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TruthFigures {
     /// Samples per receiver.
@@ -239,18 +239,18 @@ pub struct PictureFiles {
     pub png: String,
     /// The signed error in colours; absent for the truth.
     pub error_png: Option<String>,
-    /// What the PNG was multiplied with.
+    /// Factor by which the PNG was multiplied.
     pub exposure: f32,
 }
 
 impl Run {
-    /// What identifies the measured work: everything but the reference.
+    /// Identity of the measured work: everything but the reference.
     pub fn key(&self) -> String {
         let params: Vec<String> = self.params.iter().map(|(key, value)| format!("{key}={value}")).collect();
         format!("{}/{}/{}/{}:{}", self.scene, self.frame, self.receivers, self.strategy, params.join(","))
     }
 
-    /// What was measured where, for people.
+    /// Strategy, receivers, scene and frame, for people.
     pub fn place(&self) -> String {
         format!("`{}` on {} of scene `{}`, frame {}", self.label, self.receivers, self.scene, self.frame)
     }
@@ -299,7 +299,7 @@ impl Run {
 }
 
 impl Run {
-    /// What can't be so in it: errors of what wasn't measured, or none of what was; sizes and noise below 0.
+    /// The first contradiction in it: errors though it wasn't measured, none though it was, sizes or noise below 0.
     fn contradiction(&self) -> Option<String> {
         let is_measured = self.status == Status::Ok;
         if is_measured != self.error.is_some() {
@@ -377,7 +377,7 @@ impl Results {
         published.chain(runs).chain(differences).chain(pictures).next()
     }
 
-    /// What vertices count by, if any were scored.
+    /// Weights of vertices, if any were scored.
     pub fn vertex_weights(&self) -> Option<Weighting> {
         let vertices = self.runs.iter().filter(|run| run.receivers == ReceiverKind::Vertices.to_string());
         vertices.filter_map(|run| run.error.as_ref()).map(|error| error.weights).max_by_key(|it| *it == Weighting::Area)
@@ -533,7 +533,7 @@ pub(crate) mod tests {
         assert!(time.contains("shade_secs"), "{time}");
     }
 
-    /// What is read can be written: the two parts of a time are finite, their sum isn't.
+    /// Results that are read can be written: the two parts of a time are finite, their sum isn't.
     #[test]
     fn numbers_that_are_read_are_finite() {
         let folder = tempfile::tempdir().unwrap();

@@ -38,7 +38,7 @@ pub fn structural_similarity(a: &RgbImage, b: &RgbImage) -> Option<f64> {
     Some(sum / 3.0)
 }
 
-/// Of one channel, row by row.
+/// Structural similarity of one channel, row by row.
 fn of_channel(a: &[f64], b: &[f64], width: usize) -> f64 {
     let weights = window();
     let product = |x: &[f64], y: &[f64]| -> Vec<f64> { x.iter().zip(y).map(|(x, y)| x * y).collect() };

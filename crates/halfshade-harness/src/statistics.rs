@@ -12,7 +12,7 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// Of `samples`; `None` without any.
+    /// The spread of `samples`; `None` without any.
     pub fn of(samples: &[f64]) -> Option<Self> {
         let median = median(samples)?;
         let deviations: Vec<f64> = samples.iter().map(|x| (x - median).abs()).collect();

@@ -11,7 +11,7 @@ use halfshade_scene::{Frame, ReceiverBuffer};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// What receivers count by.
+/// Rule for the weights of receivers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Weighting {
@@ -79,7 +79,7 @@ impl ReceiverWeights {
         Self::of(self.weighting, values.collect())
     }
 
-    /// What receivers count by.
+    /// Rule for the weights of receivers.
     pub fn weighting(&self) -> Weighting {
         self.weighting
     }

@@ -84,7 +84,7 @@ fn scene(mesh: Mesh) -> Scene {
 
 fn spheres(folder: &Path) {
     let cache = Cache::open(Some(folder.to_owned()));
-    // What is refused is built again, of which there will be many.
+    // Refused entries are built again, and there will be many.
     let options = BuildOptions { restarts: 1, teleports: 0, polish: false, ..BuildOptions::default() };
     let _ = SphereSet::build_cached(&tetrahedron(), 1, &options, &cache, &Silent);
 }

@@ -1,4 +1,4 @@
-//! What the fuzz targets share.
+//! Common parts of the fuzz targets.
 //!
 //! Targets go through the same doors as the program: a file at a path, and what lies beside it. A target fails when
 //! something panics, hangs, takes more memory than it is given, or when what was read breaks a promise of its type.
@@ -38,7 +38,7 @@ pub fn beside() {
     });
 }
 
-/// What [`Mesh`] promises.
+/// Checks the promises of [`Mesh`].
 pub fn check_mesh(mesh: &Mesh) {
     let count = mesh.positions.len();
     assert!(mesh.triangles.iter().flatten().all(|v| (*v as usize) < count), "an index out of range");
@@ -78,7 +78,7 @@ pub fn check_gltf(path: &Path) {
     }
 }
 
-/// What [`EnvironmentMap`] and its loader promise.
+/// Checks the promises of [`EnvironmentMap`] and its loader.
 pub fn check_map(map: &EnvironmentMap) {
     assert_eq!(map.texels().len(), map.width() * map.height());
     assert!(map.texels().iter().all(|l| l.is_finite() && l.min_element() >= 0.0), "radiance that isn't light");

@@ -102,11 +102,11 @@ struct Module {
     imported: BTreeMap<String, Vec<String>>,
     /// Modules of which `use` lines bring in all names.
     globs: Vec<Vec<String>>,
-    /// What counts as a use.
+    /// Paths that count as a use.
     references: Vec<Reference>,
 }
 
-/// What a path leads to.
+/// Target of a path.
 enum Target {
     Module(usize),
     /// Something that a module defines.
@@ -185,14 +185,14 @@ impl Tree {
         };
         rest.iter().try_fold(start, |target, name| match target {
             Target::Module(module) if name == "super" => Some(Target::Module(self.modules[module].parent?)),
-            // What a macro has made has no name here.
+            // Items made by a macro have no name here.
             Target::Module(module) => Some(self.named(module, name, steps).unwrap_or(Target::Thing(module))),
             // An enum's variant, a type's function.
             thing => Some(thing),
         })
     }
 
-    /// What `name` means in a module.
+    /// Resolves `name` in a module.
     fn named(&self, module: usize, name: &str, steps: usize) -> Option<Target> {
         let steps = steps.checked_sub(1)?;
         let Module { children, defined, imported, globs, .. } = &self.modules[module];

@@ -29,7 +29,7 @@ fn dependencies() -> BTreeMap<String, Vec<String>> {
     packages.iter().map(|package| (package["name"].as_str().expect("a name").to_owned(), of(package))).collect()
 }
 
-/// What each of our crates may be made of, as ARCHITECTURE.md draws it: lines such as `truth ← scene`.
+/// Dependencies that each of our crates may have, as ARCHITECTURE.md draws them: lines such as `truth ← scene`.
 fn drawn() -> BTreeMap<String, Vec<String>> {
     let text = std::fs::read_to_string(root().join("ARCHITECTURE.md")).expect("ARCHITECTURE.md");
     let plan = text.split("Dependencies run one way").nth(1).and_then(|rest| rest.split("```").nth(1)).expect("a plan");
@@ -142,7 +142,7 @@ fn every_input_is_read_where_it_is_recorded() {
     let scene = root().join("crates/halfshade-scene/src");
     for (path, text) in sources(&scene) {
         let relative = path.strip_prefix(&scene).expect("below the crate");
-        // What a cache holds was computed from input that is recorded.
+        // Entries of a cache were computed from input that is recorded.
         let exempt = relative == Path::new("input.rs") || relative == Path::new("cache.rs");
         let is_test = path.file_stem().is_some_and(|stem| stem == "tests");
         let code = text.split("#[cfg(test)]").next().unwrap_or("");
@@ -165,7 +165,7 @@ fn strategies_never_import_each_other() {
     assert!(strategies.len() >= 2, "{strategies:?}");
     for strategy in &strategies {
         for (path, text) in sources(&folder.join(strategy)) {
-            // What several need may be imported by all, and imports none of them.
+            // `shared` may be imported by all strategies, and imports none of them.
             for other in strategies.iter().filter(|other| *other != strategy && *other != "shared") {
                 let inside = [format!("crate::{other}"), format!("super::super::{other}")];
                 // `use crate::{a, other}` names it within braces.

@@ -1,4 +1,4 @@
-//! What the tests share.
+//! Common parts of the tests.
 
 use assert_cmd::Command;
 use std::{path::Path, sync::LazyLock};
@@ -34,7 +34,7 @@ pub(crate) fn stdout(command: &mut Command) -> String {
     String::from_utf8(output.stdout).expect("text")
 }
 
-/// What is said on standard error by a command that must end with status 2, say `error: ..`, and not panic.
+/// Standard error of a command that must end with status 2, say `error: ..`, and not panic.
 #[allow(dead_code, reason = "not every test program needs it")]
 pub(crate) fn refused(command: &mut Command) -> String {
     let output = command.assert().code(2).get_output().clone();
@@ -43,7 +43,7 @@ pub(crate) fn refused(command: &mut Command) -> String {
     text
 }
 
-/// What a test leaves behind: nothing but these names.
+/// Names in a folder, in order.
 #[allow(dead_code, reason = "not every test program needs it")]
 pub(crate) fn names(folder: &Path) -> Vec<String> {
     let mut names: Vec<String> = std::fs::read_dir(folder)

@@ -45,12 +45,12 @@ use std::{
 /// A minute on two cores.
 const SCENES: u64 = 100;
 
-/// What is asked for in the environment, if it is a number.
+/// Value of an environment variable, if it is a number.
 fn asked(variable: &str) -> Option<u64> {
     std::env::var(variable).ok()?.parse().ok()
 }
 
-/// What one strategy made of one scene.
+/// Result of one strategy on one scene.
 struct Outcome {
     seed: u64,
     name: &'static str,
@@ -81,7 +81,7 @@ fn outcome(strategies: &[Box<dyn Strategy>], drawn: &Drawn, subject: &Subject<'_
     let unshadowed = strategies.iter().find(|strategy| strategy.info().name == "unshadowed").expect("a strategy");
     let unshadowed = Subject::parse(unshadowed.as_ref(), "");
     let check = Check { subject, unshadowed: &unshadowed, drawn };
-    // What panics is a failure like others: its seed must be told too.
+    // A panic is a failure like others: its seed must be told too.
     let failures = catch_unwind(AssertUnwindSafe(|| check.run(&mut Random::new(drawn.seed))));
     let panicked = || vec![Failure { property: "no panic", message: "see above".into() }];
     let failures = failures.unwrap_or_else(|_| Some(panicked()));

@@ -1,4 +1,4 @@
-//! What must hold for every strategy on every scene.
+//! Properties that must hold for every strategy on every scene.
 
 use crate::{
     parameters::Subject,
@@ -36,7 +36,7 @@ fn possible<T>(outcome: Result<T, StrategyError>) -> Result<Option<T>, Failure> 
 
 type Shaded = Result<Option<Vec<RadianceBuffer>>, Failure>;
 
-/// What a strategy makes of a scene; `None` if it can't model it.
+/// Shades a scene; `None` if the strategy can't model it.
 fn shaded(subject: &Subject<'_>, drawn: &Drawn, receivers: &[ReceiverBuffer]) -> Shaded {
     match possible(subject.strategy.bake(&drawn.scene, &subject.params, &Silent))? {
         Some(mut baked) => shaded_by(baked.as_mut(), drawn, Quat::IDENTITY, receivers),
@@ -153,14 +153,14 @@ impl Check<'_> {
 
     fn bounded(&self, known: &Known) -> Result<(), Failure> {
         let tolerances = tolerances::of(self.subject, self.drawn);
-        // What surfaces reflect onto each other adds to what is unshadowed.
+        // Reflections between surfaces come on top of the unshadowed light.
         if self.drawn.scene.bounces > 0 {
             return Ok(());
         }
         let Some(open) = shaded(self.subject, &self.drawn.open(), &known.receivers)? else {
             return Ok(());
         };
-        // What rings, rings about a part of the unshadowed, which isn't all positive itself.
+        // Ringing is about a part of the unshadowed light, which isn't all positive itself.
         let bounds = |batch: usize, i: usize| match &known.room {
             Some(room) => {
                 let (open, room) = (open[batch].at(i), room[batch][i]);

@@ -79,7 +79,7 @@ pub(crate) fn at(frame: &Frame<'_>, places: &[Place]) -> ReceiverBuffer {
     buffer
 }
 
-/// What identifies a receiver to people.
+/// Describes a receiver to people.
 pub(crate) fn described(receivers: Receivers<'_>, i: usize) -> String {
     format!(
         "receiver at {} facing {} of object {}",

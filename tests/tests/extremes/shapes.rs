@@ -11,7 +11,7 @@ pub(crate) struct Shape {
     pub(crate) spheres: Vec<Sphere>,
     /// Its smallest extent: what rounding of coordinates must be small against.
     pub(crate) feature: f32,
-    /// What it is, for people.
+    /// Kind of shape, for people.
     pub(crate) kind: &'static str,
 }
 

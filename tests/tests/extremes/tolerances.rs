@@ -93,7 +93,7 @@ fn ray_traced(drawn: &Drawn) -> Tolerances {
 
 fn sh_exp(p: &Params, drawn: &Drawn) -> Tolerances {
     let bands = p.integer("bands") as f32;
-    // What a function of so many bands with values in [0, 1] can be, see the strategy: of a direction's light bands² / 4π
+    // Bound of a function of so many bands with values in [0, 1], see the strategy: of a direction's light bands² / 4π
     // is left, and light is a sum of directions. Constant light has the cosine's coefficients.
     let magnitude = if is_constant(drawn) { bands.min(1.64) } else { bands };
     let clamped = p.choice("clamp") == "on";

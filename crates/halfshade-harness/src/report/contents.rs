@@ -26,7 +26,7 @@ pub fn provenance(results: &Results) -> String {
     )
 }
 
-/// What people read: scene by scene tables, plots and pictures.
+/// The page for people: tables, plots and pictures scene by scene.
 pub fn page(results: &Results) -> Page {
     let provenance = provenance(results);
     let mut blocks = vec![
@@ -46,7 +46,7 @@ pub fn page(results: &Results) -> Page {
     Page { provenance, blocks }
 }
 
-/// What programs read: every number of every run.
+/// The page for programs: every number of every run.
 pub fn data(results: &Results) -> Page {
     Page { provenance: provenance(results), blocks: vec![Block::Table(all_runs(results))] }
 }

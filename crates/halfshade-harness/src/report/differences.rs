@@ -45,7 +45,7 @@ pub(super) fn differences(results: &Results, scene: &str, frame: usize, receiver
     (!rows.is_empty()).then(|| Table { title, columns: columns.map(Column::plain).to_vec(), rows, notes })
 }
 
-/// Of shading, round by round: what disturbs a round disturbs both.
+/// Ratio of shading times, round by round: a disturbance of a round disturbs both.
 fn ratio(first: &TimeFigures, second: &TimeFigures) -> Option<Spread> {
     let rounds = first.samples.iter().zip(&second.samples).filter(|(_, second)| second.shade_secs > 0.0);
     Spread::of(&rounds.map(|(first, second)| first.shade_secs / second.shade_secs).collect::<Vec<_>>())

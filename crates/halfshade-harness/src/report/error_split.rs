@@ -1,4 +1,4 @@
-//! What is left of an error when a cause is taken away.
+//! Errors that are left when a cause is taken away.
 
 use super::{
     error_cell::relative_rmse,

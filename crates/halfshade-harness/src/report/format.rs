@@ -1,4 +1,4 @@
-//! What a page or a table is written as.
+//! Formats of pages and tables.
 
 use super::{csv, html, latex, markdown, page::Page, table::Table};
 

@@ -1,4 +1,4 @@
-//! What people read of stored results: one model of a page, and a writer for each format.
+//! Reports on stored results: one model of a page, and a writer for each format.
 
 mod all_runs;
 mod by_class;

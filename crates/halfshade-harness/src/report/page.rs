@@ -3,12 +3,12 @@
 use super::{plot::Plot, table::Table};
 use crate::results::PictureFiles;
 
-/// What people read.
+/// A page for people.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Page {
     /// Where its numbers come from, in one line.
     pub provenance: String,
-    /// What stands on it, from the top.
+    /// Its blocks, from the top.
     pub blocks: Vec<Block>,
 }
 

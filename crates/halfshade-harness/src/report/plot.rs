@@ -52,7 +52,7 @@ struct Point {
 #[derive(Debug, Clone, PartialEq)]
 struct Series {
     name: String,
-    /// What the numbers at its points are.
+    /// Meaning of the numbers at its points.
     numbers: String,
     color: RGBColor,
     mark: usize,
@@ -118,7 +118,7 @@ fn series(results: &Results, scene: &str, frame: usize, receivers: &str) -> Vec<
         .collect();
     let mut all: Vec<Series> = Vec::new();
     for run in &runs {
-        // What most of a strategy's runs share needs no saying.
+        // A value that most of a strategy's runs share needs no label.
         let is_usual = |key: &String, value: &serde_json::Value| {
             let own = || runs.iter().filter(|other| other.strategy == run.strategy);
             2 * own().filter(|other| other.params.get(key) == Some(value)).count() > own().count()

@@ -17,10 +17,10 @@ use crate::{
 /// A figure of how a picture looks.
 type Look = (Column, fn(&Similarity) -> Option<f64>);
 
-/// What the rows of a scene's table have in common.
+/// Runs of a scene's table, and everything that its rows have in common.
 struct Shown<'a> {
     runs: Vec<&'a Run>,
-    /// What the errors are relative to.
+    /// The reference of the errors, in words.
     reference: String,
     /// Figures of pictures that any run has.
     looks: Vec<Look>,
@@ -115,7 +115,7 @@ impl Shown<'_> {
         row
     }
 
-    /// What was compared with what, on what, and where published figures are from.
+    /// Notes on references, receivers and machine, and sources of published figures.
     fn notes(&self, machine: &Machine, receivers: &str) -> Vec<String> {
         let mut notes = Vec::new();
         if let Some(run) = self.runs.iter().find(|run| run.truth.is_some())

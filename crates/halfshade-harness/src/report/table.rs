@@ -3,7 +3,7 @@
 /// A table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
-    /// What it shows.
+    /// Its subject.
     pub title: String,
     /// Column by column.
     pub columns: Vec<Column>,
@@ -34,9 +34,9 @@ pub enum Better {
 /// One cell.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
-    /// What is shown.
+    /// Text that is shown.
     pub text: String,
-    /// What is ranked; nothing for text.
+    /// Number that is ranked; `None` for text.
     pub value: Option<f64>,
 }
 

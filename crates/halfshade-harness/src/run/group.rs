@@ -1,4 +1,4 @@
-//! What is measured together: all strategies on one frame and kind of receivers.
+//! A group of measurements: all strategies on one frame and kind of receivers.
 
 use super::{references::References, setup::Setup};
 use crate::{
@@ -27,7 +27,7 @@ pub(super) struct Group<'a> {
 /// From receivers to pictures.
 pub(super) struct View {
     projection: Projection,
-    /// What PNGs are multiplied with: that of the truth's picture, for all alike.
+    /// Factor for all PNGs, which is that of the truth's picture.
     pub(super) exposure: f32,
 }
 

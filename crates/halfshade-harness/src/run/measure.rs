@@ -16,7 +16,7 @@ use crate::{
 use halfshade_scene::RadianceBuffer;
 use std::collections::BTreeMap;
 
-/// What variants that are compared with each other have shaded, by place; nothing if they couldn't.
+/// Radiance of variants that are compared with each other, by place; `None` where shading failed.
 type Compared = BTreeMap<usize, Option<RadianceBuffer>>;
 
 /// Measures what the record doesn't know of a group yet, and adds all of it to the results.
@@ -88,7 +88,7 @@ fn compare_pairs(
     let is_drawn = record.picture(&difference_key(group)).is_some();
     let drawn = group.view.as_ref().zip(plan.difference).filter(|_| !is_drawn);
     for place in plan.pairs.iter().copied().chain(drawn.map(|(_, pair)| pair)).flatten() {
-        // What a resumed run has scored before is shaded once more.
+        // A resumed run shades once more what it has scored before.
         let shade = || score(setup, group, place).shaded.map(|shaded| shaded.radiance);
         compared.entry(place).or_insert_with(shade);
     }

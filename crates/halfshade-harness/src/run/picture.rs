@@ -40,7 +40,7 @@ pub(super) fn picture_variant(
     record.add_picture(&row.key, files, similarity)
 }
 
-/// What the picture of a difference is recorded as.
+/// Key under which the picture of a difference is recorded.
 pub(super) fn difference_key(group: &Group<'_>) -> String {
     format!("{} {} {} difference", group.frame.scene.name, group.frame.index, group.kind)
 }

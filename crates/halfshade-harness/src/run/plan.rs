@@ -1,4 +1,4 @@
-//! What an experiment comes down to: loaded scenes, and groups of runs that are measured together.
+//! The plan of an experiment: loaded scenes, and groups of runs that are measured together.
 
 use super::{
     choice::Choice,
@@ -24,7 +24,7 @@ const QUICK_SAMPLES: usize = 8;
 /// How much a difference between two strategies is magnified [Guerrero2007, figure 6.1].
 pub(super) const DIFFERENCE_FACTOR: f32 = 10.0;
 
-/// What the picture of the truth is called.
+/// Label of the truth's picture.
 pub(super) const TRUTH_LABEL: &str = "truth";
 
 /// All that is to be done.
@@ -34,11 +34,11 @@ pub struct Plan {
     pub scenes: Vec<(Scene, Vec<usize>)>,
     /// Kinds of receivers.
     pub receivers: Vec<ReceiverKind>,
-    /// What runs are compared with; the mesh is the first.
+    /// References of the runs; the mesh is the first.
     pub references: Vec<ReferenceKind>,
     /// Every strategy with its parameters.
     pub variants: Vec<Variant>,
-    /// What vertices count by.
+    /// Weights of vertices.
     pub weights: Weighting,
     /// Whether errors are told by class of what hides the light.
     pub classes: bool,
@@ -50,7 +50,7 @@ pub struct Plan {
     pub accuracy: Accuracy,
     /// How time is measured, if it is.
     pub timing: Option<TimingSettings>,
-    /// Of which variants pictures are drawn, by [`Variant::key`]; nothing: of none.
+    /// Variants whose pictures are drawn, by [`Variant::key`].
     pub pictured: Vec<String>,
     /// Places in `variants` of two whose difference is drawn.
     pub difference: Option<[usize; 2]>,
@@ -66,7 +66,7 @@ impl Plan {
         self.pairs.iter().chain(&self.difference).flatten().any(|compared| *compared == place)
     }
 
-    /// What the picture of the difference between the variants at two places is called.
+    /// Label of the picture of the difference between the variants at two places.
     pub fn difference_label(&self, pair: [usize; 2]) -> String {
         let [a, b] = pair.map(|place| &self.variants[place].label);
         format!("{DIFFERENCE_FACTOR} times the difference: {a} and {b}")

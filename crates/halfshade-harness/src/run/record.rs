@@ -1,4 +1,4 @@
-//! What is known of a run already, and the folder in which it is kept.
+//! Measurements that a run has already, and the folder in which they are kept.
 
 use crate::{
     HarnessError, Results,
@@ -11,7 +11,7 @@ use crate::{
 use halfshade_scene::cache::Cache;
 use std::{collections::HashMap, path::Path};
 
-/// What was measured, by [`Run::key`].
+/// Measurements by [`Run::key`].
 #[derive(Default)]
 pub(super) struct Known {
     scored: HashMap<String, Vec<Run>>,
@@ -20,7 +20,7 @@ pub(super) struct Known {
     truths: Vec<PictureFiles>,
 }
 
-/// What is known of a run, and where every step is kept, if it is.
+/// Measurements of a run, and the place where every step is kept, if there is one.
 #[derive(Default)]
 pub(super) struct Record {
     place: Option<(OutFolder, Journal)>,

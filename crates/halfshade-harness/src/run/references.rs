@@ -1,4 +1,4 @@
-//! What the strategies of a group are compared with.
+//! References that the strategies of a group are compared with.
 
 use super::setup::Setup;
 use crate::{
@@ -18,7 +18,7 @@ pub(super) struct Traced {
 }
 
 impl Traced {
-    /// What results tell of it, with the noise of `reference`, which may be that of a difference to it.
+    /// Its entry in the results, with the noise of `reference`, which may be that of a difference to it.
     pub(super) fn figures(&self, reference: &Reference) -> TruthFigures {
         TruthFigures {
             samples: self.samples as u64,

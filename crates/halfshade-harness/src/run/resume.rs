@@ -97,7 +97,7 @@ fn missing_pictures(folder: &OutFolder, results: &Results) -> Vec<PathBuf> {
     files.map(PathBuf::from).filter(|file| !folder.holds(file)).collect()
 }
 
-/// What began a run that has these results; the program is not known from them.
+/// Header of a run that has these results; they don't tell the program.
 pub(super) fn header_of(results: &Results) -> Header {
     Header {
         schema: SCHEMA.into(),

@@ -1,4 +1,4 @@
-//! What all groups of a run share.
+//! State that all groups of a run share.
 
 use super::{plan::Plan, record::Record, tools::Tools};
 use halfshade_scene::cache::Cache;

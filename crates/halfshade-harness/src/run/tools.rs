@@ -1,11 +1,11 @@
-//! What a run is given.
+//! Strategies, clock, cache and progress of a run.
 
 use crate::{Clock, reference::BandLimit};
 use halfshade_scene::{InputFile, Progress, cache::Cache};
 use halfshade_strategy::Strategy;
 use std::path::PathBuf;
 
-/// What the harness is given: it names no strategy and owns no terminal.
+/// Everything that the harness gets from its caller: it names no strategy and owns no terminal.
 pub struct Tools<'a> {
     /// All strategies.
     pub strategies: &'a [Box<dyn Strategy>],

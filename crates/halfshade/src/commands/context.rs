@@ -1,4 +1,4 @@
-//! What commands share.
+//! State that commands share.
 
 use crate::{
     band_limit, cli::SceneArguments, failure::Failure, revision::revision, strategies::strategies, terminal::Bars,
@@ -29,7 +29,7 @@ pub(super) struct Context {
 }
 
 impl Context {
-    /// What a command that was given with these `arguments` starts with.
+    /// State at the start of a command that was given these `arguments`.
     pub(super) fn new(cache: Option<PathBuf>, threads: Option<usize>, arguments: Vec<OsString>) -> Self {
         let cache = Cache::open(cache);
         Self {

@@ -11,7 +11,7 @@ pub(super) fn background(arguments: &SceneArguments) -> Vec3 {
     arguments.background.map_or(Vec3::ZERO, Vec3::from)
 }
 
-/// What a picture is multiplied with to be looked at.
+/// Factor for a picture that is looked at.
 pub(super) fn exposure(picture: &Picture, arguments: &SceneArguments) -> f32 {
     picture.exposure() * arguments.exposure.exp2()
 }
