@@ -2,12 +2,20 @@
 
 use halfshade_scene::{Frame, Progress, RadianceMut, Receivers, Scene};
 use halfshade_strategy::{
-    Baked, Effect, Effects, Footprint, Info, Parameter, ParameterKind, Params, Strategy, StrategyError,
+    Baked, Effect, Effects, Footprint, Info, Params, Prepared, Preset, Strategy, StrategyError, settings,
 };
 
 /// `dim` answers albedo times a factor, `black` answers nothing and cannot model local lights, `broken` answers NaN.
 pub(crate) fn strategies() -> Vec<Box<dyn Strategy>> {
     vec![Box::new(Toy("dim")), Box::new(Toy("black")), Box::new(Toy("broken"))]
+}
+
+settings! {
+    /// The settings of `dim`.
+    struct Dimming {
+        /// radiance by albedo
+        "factor" => factor: f32 = 1.0, in 0.0..=1.0;
+    }
 }
 
 struct Toy(&'static str);
@@ -16,14 +24,17 @@ struct BakedToy(f32);
 
 impl Strategy for Toy {
     fn info(&self) -> Info {
-        let factor = ParameterKind::Float { default: 1.0, min: 0.0, max: 1.0 };
         Info {
             name: self.0,
             summary: "a toy",
             source: "",
             parameters: match self.0 {
-                "dim" => vec![Parameter { name: "factor", summary: "radiance by albedo", kind: factor }],
+                "dim" => Dimming::parameters(),
                 _ => Vec::new(),
+            },
+            presets: match self.0 {
+                "dim" => &[Preset { name: "half", summary: "half of it", settings: "factor=0.5" }],
+                _ => &[],
             },
             effects: Effects::of(&[Effect::EnvironmentLight, Effect::ColouredLight, Effect::Motion]),
         }
@@ -31,7 +42,7 @@ impl Strategy for Toy {
 
     fn bake(&self, _scene: &Scene, params: &Params, _: &dyn Progress) -> Result<Box<dyn Baked>, StrategyError> {
         Ok(Box::new(BakedToy(match self.0 {
-            "dim" => params.float("factor") as f32,
+            "dim" => Dimming::read(params).factor,
             "black" => 0.0,
             _ => f32::NAN,
         })))
@@ -43,10 +54,12 @@ impl Baked for BakedToy {
         Footprint { parts: vec![("factor", 4)] }
     }
 
-    fn prepare(&mut self, _frame: &Frame<'_>) -> Result<(), StrategyError> {
-        Ok(())
+    fn prepare(&mut self, _frame: &Frame<'_>) -> Result<Box<dyn Prepared + '_>, StrategyError> {
+        Ok(Box::new(&*self))
     }
+}
 
+impl Prepared for &BakedToy {
     fn shade(&self, receivers: Receivers<'_>, mut out: RadianceMut<'_>) {
         for i in 0..receivers.len() {
             out.set(i, receivers.albedo_at(i) * self.0);

@@ -12,12 +12,12 @@ pub struct Variant {
     pub name: String,
     /// All parameters.
     pub params: Params,
-    /// Name and the parameters that were set by hand: what users read.
+    /// Name, preset and the parameters that were set by hand: what users read.
     pub label: String,
 }
 
 impl Variant {
-    /// Reads a SPEC: `name` or `name:key=value,key=value`.
+    /// Reads a SPEC: `name`, `name:key=value,key=value` or `name:preset,key=value`.
     pub fn parse(strategies: &[Box<dyn Strategy>], spec: &str) -> Result<Self, String> {
         let (name, settings) = spec.split_once(':').unwrap_or((spec, ""));
         let name = name.trim();
@@ -26,18 +26,14 @@ impl Variant {
             .position(|strategy| strategy.info().name == name)
             .ok_or_else(|| format!("unknown strategy `{name}`; known: {}", known(strategies)))?;
         let info = strategies[strategy].info();
-        let params =
-            Params::parse(&info.parameters, settings).map_err(|error| format!("strategy `{name}`: {error}"))?;
+        let params = info.parse(settings).map_err(|error| format!("strategy `{name}`: {error}"))?;
         let set_by_hand =
             |key: &str| settings.split(',').any(|pair| pair.split('=').next().unwrap_or("").trim() == key);
-        let set: Vec<String> = info
-            .parameters
-            .iter()
-            .filter(|parameter| set_by_hand(parameter.name))
-            .filter_map(|parameter| {
-                params.iter().find(|(key, _)| *key == parameter.name).map(|(key, value)| format!("{key}={value}"))
-            })
-            .collect();
+        let presets = info.presets.iter().map(|preset| preset.name).filter(|name| set_by_hand(name));
+        let set = info.parameters.iter().filter(|parameter| set_by_hand(parameter.name)).filter_map(|parameter| {
+            params.iter().find(|(key, _)| *key == parameter.name).map(|(key, value)| format!("{key}={value}"))
+        });
+        let set: Vec<String> = presets.map(str::to_owned).chain(set).collect();
         let label = if set.is_empty() { name.to_owned() } else { format!("{name}:{}", set.join(",")) };
         Ok(Self { strategy, name: name.to_owned(), params, label })
     }
@@ -56,6 +52,9 @@ impl Variant {
 
 /// Most variants of an experiment.
 const MAX_VARIANTS: usize = 10_000;
+
+/// Key in an experiment of what a SPEC gives without one.
+const PRESET: &str = "preset";
 
 /// Every variant an experiment asks for, in its order. Sweeps that meet run once where they do; a list that names a value
 /// twice and a table that adds nothing are mistakes.
@@ -97,7 +96,8 @@ pub fn sweep(experiment: &Experiment, strategies: &[Box<dyn Strategy>]) -> Resul
                             return Err(experiment.error_at(offset, problem));
                         }
                     };
-                    swept.push((offset, format!("{spec}{key}={text},")));
+                    let setting = if key == PRESET { text } else { format!("{key}={text}") };
+                    swept.push((offset, format!("{spec}{setting},")));
                 }
             }
             specs = swept;
@@ -141,6 +141,8 @@ mod tests {
     fn lists_sweep_and_run_once_where_they_meet() {
         let text = experiment::tests::SMALL;
         assert_eq!(labels(text).unwrap(), ["dim:factor=0.5", "dim:factor=0.25"]);
+        let preset = format!("{text}[[strategy]]\nname = \"dim\"\npreset = \"half\"\nfactor = [0.125, 1]\n");
+        assert_eq!(labels(&preset).unwrap()[2..], ["dim:half,factor=0.125", "dim:half,factor=1"]);
         let twice = format!("{text}[[strategy]]\nname = \"dim\"\nfactor = [0.5, 1]\n[[strategy]]\nname = \"black\"\n");
         assert_eq!(labels(&twice).unwrap(), ["dim:factor=0.5", "dim:factor=0.25", "dim:factor=1", "black"]);
     }

@@ -10,7 +10,7 @@ use halfshade_scene::{
     SphereLight, SphereSet, progress::Silent,
 };
 use halfshade_strategies::CosineLobe;
-use halfshade_strategy::{Params, Strategy};
+use halfshade_strategy::Strategy;
 use std::{hint::black_box, sync::Arc};
 
 /// Receivers along a side of the floor, and on each body.
@@ -80,11 +80,12 @@ fn shading(criterion: &mut Criterion) {
             "leaves=aggressive",
             "order=published,leaves=aggressive,fit=least-squares,product=published",
         ] {
-            let params = Params::parse(&CosineLobe.info().parameters, settings).expect("valid settings");
+            let params = CosineLobe.info().parse(settings).expect("valid settings");
             let mut baked = CosineLobe.bake(&scene, &params, &Silent).expect("bakes");
-            baked.prepare(&scene.frame(0)).expect("prepares");
+            let frame = scene.frame(0);
+            let prepared = baked.prepare(&frame).expect("prepares");
             group.bench_function(BenchmarkId::new("one thread", settings), |bencher| {
-                bencher.iter(|| baked.shade(black_box(receivers.view()), out.view_mut()));
+                bencher.iter(|| prepared.shade(black_box(receivers.view()), out.view_mut()));
             });
         }
         group.finish();

@@ -12,7 +12,7 @@ use halfshade_scene::{
     SphereSet, builtin, progress::Silent,
 };
 use halfshade_strategies::ShExp;
-use halfshade_strategy::{Baked, Params, Strategy};
+use halfshade_strategy::{Baked, Prepared, Strategy};
 use plain::Plain;
 use std::{hint::black_box, sync::Arc};
 
@@ -47,21 +47,19 @@ fn bunny_like() -> (Scene, ReceiverBuffer) {
 }
 
 fn baked(scene: &Scene, settings: &str) -> Box<dyn Baked> {
-    let params = Params::parse(&ShExp.info().parameters, settings).expect("valid settings");
-    let mut baked = ShExp.bake(scene, &params, &Silent).expect("bakes");
-    baked.prepare(&scene.frame(0)).expect("prepares");
-    baked
+    let params = ShExp.info().parse(settings).expect("valid settings");
+    ShExp.bake(scene, &params, &Silent).expect("bakes")
 }
 
-fn on_all_threads(baked: &dyn Baked, receivers: Receivers<'_>, out: RadianceMut<'_>) {
+fn on_all_threads(prepared: &dyn Prepared, receivers: Receivers<'_>, out: RadianceMut<'_>) {
     if receivers.len() <= 256 {
-        return baked.shade(receivers, out);
+        return prepared.shade(receivers, out);
     }
     let middle = receivers.len() / 2;
     let (left, right) = out.split_at(middle);
     rayon::join(
-        || on_all_threads(baked, receivers.slice(0..middle), left),
-        || on_all_threads(baked, receivers.slice(middle..receivers.len()), right),
+        || on_all_threads(prepared, receivers.slice(0..middle), left),
+        || on_all_threads(prepared, receivers.slice(middle..receivers.len()), right),
     );
 }
 
@@ -75,12 +73,14 @@ fn shading(criterion: &mut Criterion) {
         bencher.iter(|| plain.shade(black_box(receivers.view()), &mut out.channels[0]));
     });
     for variant in ["hybrid", "optimal-linear", "series", "product"] {
-        let baked = baked(&scene, &format!("exp={variant},magnitude-limit=2"));
+        let mut baked = baked(&scene, &format!("exp={variant},magnitude-limit=2"));
+        let frame = scene.frame(0);
+        let prepared = baked.prepare(&frame).expect("prepares");
         group.bench_function(BenchmarkId::new("one thread", variant), |bencher| {
-            bencher.iter(|| baked.shade(black_box(receivers.view()), out.view_mut()));
+            bencher.iter(|| prepared.shade(black_box(receivers.view()), out.view_mut()));
         });
         group.bench_function(BenchmarkId::new("all threads", variant), |bencher| {
-            bencher.iter(|| on_all_threads(baked.as_ref(), black_box(receivers.view()), out.view_mut()));
+            bencher.iter(|| on_all_threads(prepared.as_ref(), black_box(receivers.view()), out.view_mut()));
         });
     }
     group.finish();
@@ -103,9 +103,11 @@ fn scenes(criterion: &mut Criterion) {
         }
         let receivers = ReceiverBuffer::vertices(&scene.frame(0));
         let mut out = RadianceBuffer::zeros(receivers.len());
-        let baked = baked(&scene, "");
+        let mut baked = baked(&scene, "");
+        let frame = scene.frame(0);
+        let prepared = baked.prepare(&frame).expect("prepares");
         group.bench_function(name, |bencher| {
-            bencher.iter(|| on_all_threads(baked.as_ref(), black_box(receivers.view()), out.view_mut()));
+            bencher.iter(|| on_all_threads(prepared.as_ref(), black_box(receivers.view()), out.view_mut()));
         });
     }
     group.finish();

@@ -5,7 +5,7 @@
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use halfshade_scene::{RadianceBuffer, ReceiverBuffer, builtin, progress::Silent};
 use halfshade_strategies::ShadowField;
-use halfshade_strategy::{Params, Strategy};
+use halfshade_strategy::Strategy;
 use std::hint::black_box;
 
 fn shading(criterion: &mut Criterion) {
@@ -21,11 +21,11 @@ fn shading(criterion: &mut Criterion) {
         group.throughput(Throughput::Elements(receivers.len() as u64)).sample_size(10);
         group.bench_function(BenchmarkId::new("shade", settings), |bencher| {
             let strategy = ShadowField::default();
-            let params = Params::parse(&strategy.info().parameters, settings).expect("valid settings");
+            let params = strategy.info().parse(settings).expect("valid settings");
             let mut baked = strategy.bake(&scene, &params, &Silent).expect("bakes");
-            baked.prepare(&frame).expect("prepares");
+            let prepared = baked.prepare(&frame).expect("prepares");
             let mut out = RadianceBuffer::zeros(receivers.len());
-            bencher.iter(|| baked.shade(black_box(receivers.view()), out.view_mut()));
+            bencher.iter(|| prepared.shade(black_box(receivers.view()), out.view_mut()));
         });
     }
     group.finish();

@@ -2,9 +2,14 @@
 
 pub mod contract;
 pub mod effects;
+pub mod info;
+pub mod parameter;
 pub mod params;
+pub mod settings;
 pub mod strategy;
 
 pub use effects::{Effect, Effects};
-pub use params::{Parameter, ParameterKind, Params, SpecError, Value};
-pub use strategy::{Baked, Detail, Footprint, Info, Strategy, StrategyError};
+pub use info::Info;
+pub use parameter::{Parameter, ParameterKind, Preset, Value, Word};
+pub use params::{Params, SpecError};
+pub use strategy::{Baked, Batching, Detail, Footprint, Prepared, Strategy, StrategyError};

@@ -1,22 +1,7 @@
 //! The trait, in three phases with three clocks, so that nobody hides work.
 
-use crate::{Effects, Parameter, Params};
+use crate::{Info, Params};
 use halfshade_scene::{Frame, Progress, RadianceMut, Receivers, Scene};
-
-/// What a strategy says of itself.
-#[derive(Debug, Clone)]
-pub struct Info {
-    /// Short name, as in a SPEC: lower case, words joined by hyphens.
-    pub name: &'static str,
-    /// One line.
-    pub summary: &'static str,
-    /// Where it is defined, as in `[Guerrero2007, 4.2]`.
-    pub source: &'static str,
-    /// Its parameters with defaults and ranges.
-    pub parameters: Vec<Parameter>,
-    /// What it can model.
-    pub effects: Effects,
-}
 
 /// Why a strategy could not do what it was asked.
 #[derive(Debug, Clone, thiserror::Error)]
@@ -46,7 +31,7 @@ pub trait Strategy: Send + Sync {
 
 /// A strategy made ready for one scene.
 pub trait Baked: Send + Sync {
-    /// Bytes held, by part.
+    /// Bytes held, by part; those of the last frame that was prepared among them.
     fn footprint(&self) -> Footprint;
 
     /// Figures on what was baked that only this strategy has, such as the resolution it chose; found when asked for, off
@@ -56,13 +41,31 @@ pub trait Baked: Send + Sync {
     }
 
     /// Once per frame: poses, lights. Calling it twice with the same frame changes nothing.
-    fn prepare(&mut self, frame: &Frame<'_>) -> Result<(), StrategyError>;
+    fn prepare(&mut self, frame: &Frame<'_>) -> Result<Box<dyn Prepared + '_>, StrategyError>;
+}
+
+/// A strategy made ready for one frame: who hasn't prepared can't shade.
+pub trait Prepared: Send + Sync {
+    /// How the receivers may be split.
+    fn batching(&self) -> Batching {
+        Batching::AnySplit
+    }
 
     /// Outgoing RGB radiance of a batch of receivers, toward the eye:
     /// `albedo/π · ∫ L V max(n·ω, 0) dω`, and the same over the lobes of glossy receivers ([`halfshade_scene::EyeLobes`]).
-    /// Called from many threads at once on parts of the receivers; how they are split
-    /// must change no bit. Allocates nothing per receiver.
+    /// Called from many threads at once on parts of the receivers, unless [`Self::batching`] asks for all of them. Allocates
+    /// nothing per receiver.
     fn shade(&self, receivers: Receivers<'_>, out: RadianceMut<'_>);
+}
+
+/// How the receivers of a frame may be split into batches.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Batching {
+    /// Any way: how they are split changes no bit.
+    AnySplit,
+    /// Not at all: one call has all receivers of the frame. For filters, which look at a receiver's neighbours, and for
+    /// graphics hardware; threads are then the strategy's own to fill.
+    WholeFrame,
 }
 
 /// A list of figures under a name.

@@ -92,7 +92,7 @@ fn spheres(folder: &Path) {
 fn fields(folder: &Path, settings: &str) {
     let strategies = halfshade::strategies(&Cache::open(Some(folder.to_owned())));
     let strategy = strategies.iter().find(|strategy| strategy.info().name == "shadow-field").expect("shadow fields");
-    let params = Params::parse(&strategy.info().parameters, settings).expect("parameters");
+    let params = strategy.info().parse(settings).expect("parameters");
     let _ = strategy.bake(&scene(tetrahedron()), &params, &Silent);
 }
 

@@ -31,7 +31,7 @@ impl<'a> Subject<'a> {
     /// The strategy with all parameters as given in a SPEC; those that cost time are affordable where it says nothing.
     pub(crate) fn parse(strategy: &'a dyn Strategy, settings: &str) -> Self {
         let info = strategy.info();
-        let params = Params::parse(&info.parameters, settings).expect("settings within their ranges");
+        let params = info.parse(settings).expect("settings within their ranges");
         Self { strategy, name: info.name, params, spec: format!("{}:{settings}", info.name) }
     }
 
@@ -57,7 +57,7 @@ impl<'a> Subject<'a> {
 
 fn value(parameter: &Parameter, most: Option<i64>, random: &mut Random) -> String {
     match parameter.kind {
-        ParameterKind::Choice { values, .. } => random.pick(values).to_owned(),
+        ParameterKind::Choice { words, .. } => random.pick(words).name.to_owned(),
         ParameterKind::Integer { min, max, .. } => {
             let max = most.map_or(max, |most| most.min(max));
             let inside = min + random.below((max - min + 1) as usize) as i64;

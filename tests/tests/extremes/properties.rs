@@ -10,7 +10,7 @@ use crate::{
 };
 use glam::{DVec3, Quat, Vec3};
 use halfshade_scene::{Pose, RadianceBuffer, ReceiverBuffer, Receivers, progress::Silent};
-use halfshade_strategy::{Baked, StrategyError};
+use halfshade_strategy::{Baked, Prepared, StrategyError};
 
 /// One property that doesn't hold.
 #[derive(Debug)]
@@ -47,14 +47,14 @@ fn shaded(subject: &Subject<'_>, drawn: &Drawn, receivers: &[ReceiverBuffer]) ->
 /// The same of a scene whose objects are those that were baked, with its environment turned.
 fn shaded_by(baked: &mut dyn Baked, drawn: &Drawn, turn: Quat, receivers: &[ReceiverBuffer]) -> Shaded {
     let prepared = possible(baked.prepare(&drawn.frame(turn)))?;
-    Ok(prepared.map(|()| receivers.iter().map(|receivers| shade(baked, receivers)).collect()))
+    Ok(prepared.map(|prepared| receivers.iter().map(|receivers| shade(prepared.as_ref(), receivers)).collect()))
 }
 
-fn shade(baked: &dyn Baked, receivers: &ReceiverBuffer) -> RadianceBuffer {
+fn shade(prepared: &dyn Prepared, receivers: &ReceiverBuffer) -> RadianceBuffer {
     // Whoever writes nothing is found out.
     let mut out = RadianceBuffer::zeros(receivers.len());
     out.channels.iter_mut().for_each(|channel| channel.fill(f32::NAN));
-    baked.shade(receivers.view(), out.view_mut());
+    prepared.shade(receivers.view(), out.view_mut());
     out
 }
 
@@ -235,9 +235,7 @@ impl Check<'_> {
             return Ok(());
         }
         let frame = self.drawn.frame(Quat::IDENTITY);
-        if possible(baked.prepare(&frame))?.is_none() {
-            return Ok(());
-        }
+        let Some(prepared) = possible(baked.prepare(&frame))? else { return Ok(()) };
         let level = known.levels[1].iter().copied().fold(0.0, f32::max);
         for _ in 0..2 {
             let Some(start) = receivers::place(self.drawn, random) else { return Ok(()) };
@@ -248,7 +246,7 @@ impl Check<'_> {
                 let path: Vec<Place> =
                     (0..=8).map(|i| Place { weights: from.lerp(to, f64::from(i) / 8.0), ..start }).collect();
                 let receivers = receivers::at(&frame, &path);
-                let found = shade(baked, &receivers);
+                let found = shade(prepared.as_ref(), &receivers);
                 let change = |i: usize| (found.at(i + 1) - found.at(i)).abs().max_element();
                 let steepest = (0..8).max_by(|&a, &b| change(a).total_cmp(&change(b))).unwrap_or(0);
                 let step = receivers.view().position_at(steepest).distance(receivers.view().position_at(steepest + 1));

@@ -60,7 +60,7 @@ fn is_constant(drawn: &Drawn) -> bool {
 /// A table over normals with so many cells from its centre to a side: 0.005 of the mean at 32 cells, as the square of a
 /// cell's width. It doesn't turn with the scene.
 fn table(p: &Params) -> f32 {
-    (0.005 * (32.0 / p.integer("normals") as f32).powi(2)).clamp(0.005, 1.0)
+    (0.005 * (32.0 / p.number("normals") as f32).powi(2)).clamp(0.005, 1.0)
 }
 
 fn unshadowed(p: &Params) -> Tolerances {
@@ -92,13 +92,13 @@ fn ray_traced(drawn: &Drawn) -> Tolerances {
 }
 
 fn sh_exp(p: &Params, drawn: &Drawn) -> Tolerances {
-    let bands = p.integer("bands") as f32;
+    let bands = p.number("bands") as f32;
     // Bound of a function of so many bands with values in [0, 1], see the strategy: of a direction's light bands² / 4π
     // is left, and light is a sum of directions. Constant light has the cosine's coefficients.
     let magnitude = if is_constant(drawn) { bands.min(1.64) } else { bands };
-    let clamped = p.choice("clamp") == "on";
-    let takes = !clamped && p.choice("ground") == "seen";
-    let traced = p.choice("exp") == "traced";
+    let clamped = p.word("clamp") == "on";
+    let takes = !clamped && p.word("ground") == "seen";
+    let traced = p.word("exp") == "traced";
     Tolerances {
         below: match () {
             () if takes => Err(GROUND),
@@ -113,16 +113,16 @@ fn sh_exp(p: &Params, drawn: &Drawn) -> Tolerances {
         rings: None,
         scaled: EXACT,
         turned: match () {
-            () if p.choice("rule") == "published" => Err(CENTRES),
+            () if p.word("rule") == "published" => Err(CENTRES),
             // Directions of rays don't turn with the scene.
             () => Ok(table(p) + if traced { 0.1 } else { 0.0 }),
         },
         linear: EXACT,
         brightened: Err("logarithms of few bands ring: a blocker beside a light may brighten it"),
         jump: match () {
-            () if p.choice("rule") == "published" => Err(CENTRES),
-            () if p.choice("squaring") == "published" => Err("one squaring more is a step"),
-            () if p.choice("levels") != "leaves" => Err("each cluster has its own cut through the hierarchy"),
+            () if p.word("rule") == "published" => Err(CENTRES),
+            () if p.word("squaring") == "published" => Err("one squaring more is a step"),
+            () if p.word("levels") != "leaves" => Err("each cluster has its own cut through the hierarchy"),
             () if traced => Err(RAYS),
             () => Ok(0.05),
         },
@@ -130,18 +130,18 @@ fn sh_exp(p: &Params, drawn: &Drawn) -> Tolerances {
 }
 
 fn shadow_field(p: &Params, drawn: &Drawn) -> Tolerances {
-    let sampling = p.choice("sampling");
-    let is_haar = p.choice("basis") == "haar";
+    let sampling = p.word("sampling");
+    let is_haar = p.word("basis") == "haar";
     let rings = !is_haar && !is_constant(drawn);
     let are_rays = matches!(sampling, "traced" | "together");
     // A cosine added up over so many texels along an edge of a map, where it isn't known in closed form.
-    let texels = p.integer("map") as f32;
-    let is_added_up = !is_haar && (p.choice("own") == "projected" || sampling == "together");
+    let texels = p.number("map") as f32;
+    let is_added_up = !is_haar && (p.word("own") == "projected" || sampling == "together");
     let added_up = if is_added_up { 0.01 * (8.0 / texels).powi(2) } else { 0.0 };
     Tolerances {
         below: EXACT,
         above: Ok(1e-3 + added_up),
-        rings: rings.then(|| p.integer("bands") as f32),
+        rings: rings.then(|| p.number("bands") as f32),
         scaled: EXACT,
         turned: if are_rays { Err(RAYS) } else { Ok(0.01) },
         linear: EXACT,
@@ -162,9 +162,9 @@ fn shadow_field(p: &Params, drawn: &Drawn) -> Tolerances {
 }
 
 fn cosine_lobe(p: &Params) -> Tolerances {
-    let published = p.choice("order") == "published";
-    let shared = p.float("share") > 0.0;
-    let cells = p.choice("leaves") != "fraction";
+    let published = p.word("order") == "published";
+    let shared = p.number("share") > 0.0;
+    let cells = p.word("leaves") != "fraction";
     Tolerances {
         below: EXACT,
         above: EXACT,
@@ -173,7 +173,7 @@ fn cosine_lobe(p: &Params) -> Tolerances {
         turned: match () {
             () if shared => Err("cubes of space don't turn with the scene"),
             () if cells => Err("the cells before a light don't turn with the scene"),
-            () if p.choice("rule") == "published" => Err(CENTRES),
+            () if p.word("rule") == "published" => Err(CENTRES),
             () => Ok(0.1),
         },
         linear: EXACT,
@@ -184,8 +184,8 @@ fn cosine_lobe(p: &Params) -> Tolerances {
         jump: match () {
             () if shared => Err("cubes of space end somewhere"),
             () if cells => Err("a cell is covered or not"),
-            () if p.float("threshold") > 0.001 => Err("a product is left out or not"),
-            () if p.choice("rule") == "published" => Err(CENTRES),
+            () if p.number("threshold") > 0.001 => Err("a product is left out or not"),
+            () if p.word("rule") == "published" => Err(CENTRES),
             () => Ok(0.05),
         },
     }

@@ -76,9 +76,10 @@ fn shade_once(setup: &Setup<'_>, group: &Group<'_>, place: usize) -> Result<(f64
     }
     let (bake_secs, baked) = time_secs(tools.clock, || strategy.bake(frame.scene, &variant.params, tools.progress));
     let mut baked = baked?;
-    baked.prepare(frame)?;
+    let prepared = baked.prepare(frame)?;
     let mut radiance = RadianceBuffer::zeros(group.receivers.len());
-    shade_all(baked.as_ref(), group.receivers.view(), &mut radiance);
+    shade_all(prepared.as_ref(), group.receivers.view(), &mut radiance);
+    drop(prepared);
     let broken = count_not_finite(&radiance);
     if broken > 0 {
         return Err(Refusal::failed(format!("{broken} of {} values are not finite", 3 * radiance.len())));

@@ -57,8 +57,8 @@ fn timed_frame(
 ) -> Result<Sample, StrategyError> {
     baked.prepare(neighbour)?;
     let (prepare_secs, prepared) = time_secs(clock, || baked.prepare(frame));
-    prepared?;
-    let (shade_secs, ()) = time_secs(clock, || shade_all(baked, receivers.view(), radiance));
+    let prepared = prepared?;
+    let (shade_secs, ()) = time_secs(clock, || shade_all(prepared.as_ref(), receivers.view(), radiance));
     Ok(Sample { prepare_secs, shade_secs })
 }
 
@@ -68,7 +68,7 @@ mod tests {
     use crate::{clock::mock::MockClock, results::TimeFigures};
     use glam::Vec3;
     use halfshade_scene::{Environment, RadianceMut, Receivers, Scene};
-    use halfshade_strategy::Footprint;
+    use halfshade_strategy::{Footprint, Prepared};
     use std::{sync::Arc, time::Duration};
 
     /// Takes 2 ms to prepare the frame it is asked for and 100 ms for any other, and 5 ms to shade.
@@ -79,11 +79,13 @@ mod tests {
             Footprint::default()
         }
 
-        fn prepare(&mut self, frame: &Frame<'_>) -> Result<(), StrategyError> {
+        fn prepare(&mut self, frame: &Frame<'_>) -> Result<Box<dyn Prepared + '_>, StrategyError> {
             self.0.advance(Duration::from_millis(if frame.index == 7 { 2 } else { 100 }));
-            Ok(())
+            Ok(Box::new(&*self))
         }
+    }
 
+    impl Prepared for &Steady {
         fn shade(&self, _receivers: Receivers<'_>, _out: RadianceMut<'_>) {
             self.0.advance(Duration::from_millis(5));
         }

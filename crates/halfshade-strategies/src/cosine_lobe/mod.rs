@@ -89,9 +89,9 @@ mod light;
 mod lobes;
 mod mask;
 mod moment;
-mod parameters;
 mod reflectance;
 mod sampled;
+mod settings;
 mod shade;
 mod shared;
 mod square;
@@ -104,11 +104,11 @@ use blockers::{Body, Spheres, bodies, placed_spheres};
 use environment::Fitted;
 use halfshade_scene::{Environment, EyeLobes, Frame, Progress, RadianceMut, Receivers, Scene, once};
 use halfshade_sh::lobe::{CapLobeTable, LobeTable, ProductRule};
-use halfshade_strategy::{Baked, Detail, Effect, Effects, Footprint, Info, Params, Strategy, StrategyError};
+use halfshade_strategy::{Baked, Detail, Effect, Effects, Footprint, Info, Params, Prepared, Strategy, StrategyError};
 use light::Light;
 use moment::Moment;
-use parameters::{Order, Settings};
 use sampled::Sampler;
+use settings::{Integration, Order, PRESETS, Settings};
 use shade::Shading;
 use square::Cells;
 use std::sync::{
@@ -128,7 +128,8 @@ impl Strategy for CosineLobe {
             name: "cosine-lobe",
             summary: "products of cosine lobes; a quad-tree of shadow before each spherical light, one mask before an environment",
             source: "[Meunier2009]",
-            parameters: parameters::all(),
+            parameters: Settings::parameters(),
+            presets: PRESETS,
             effects: Effects::of(&[
                 Effect::EnvironmentLight,
                 Effect::LocalLights,
@@ -142,20 +143,24 @@ impl Strategy for CosineLobe {
 
     fn bake(&self, scene: &Scene, params: &Params, progress: &dyn Progress) -> Result<Box<dyn Baked>, StrategyError> {
         progress.start("tables of lobes", 1);
-        let settings = Settings::new(params);
-        let products = table_of(settings.product);
-        let caps = CapLobeTable::build(settings.fit);
+        let settings = Settings::read(params);
+        let products = table_of(settings.product.into());
+        let caps = CapLobeTable::build(settings.fit.into());
         let cells = Cells::new(settings.depth);
+        let sampler = match settings.integration {
+            Integration::Analytic => None,
+            Integration::Sampled => Some(Sampler::new(settings.samples)),
+        };
         let weights = match settings.order {
             Order::LightFirst => WeightTable::ones(),
             Order::Published => WeightTable::new(&settings, &cells, &caps, products),
         };
         progress.advance(1);
-        Ok(Box::new(Prepared {
-            settings,
+        Ok(Box::new(Lobes {
             fitted: settings.fitted(&scene.environment, products),
-            tables: Tables { products, caps, cells, weights, sampler: settings.samples.map(Sampler::new) },
+            tables: Tables { products, caps, cells, weights, sampler },
             everywhere: (!scene.lights.is_empty()).then(|| settings.everywhere(products)),
+            settings,
             bodies: bodies(scene),
             moment: None,
             counters: Counters::default(),
@@ -190,7 +195,7 @@ struct Counters {
 }
 
 #[derive(Debug)]
-struct Prepared {
+struct Lobes {
     settings: Settings,
     tables: Tables,
     fitted: Fitted,
@@ -201,7 +206,7 @@ struct Prepared {
     counters: Counters,
 }
 
-impl Baked for Prepared {
+impl Baked for Lobes {
     fn footprint(&self) -> Footprint {
         let bodies = self.bodies.iter().flatten();
         let [lobes, sky] = self.fitted.bytes();
@@ -234,7 +239,7 @@ impl Baked for Prepared {
         ]
     }
 
-    fn prepare(&mut self, frame: &Frame<'_>) -> Result<(), StrategyError> {
+    fn prepare(&mut self, frame: &Frame<'_>) -> Result<Box<dyn Prepared + '_>, StrategyError> {
         if frame.scene.objects.len() != self.bodies.len() {
             return Err(StrategyError::Failed("the frame is of another scene than was baked".into()));
         }
@@ -251,7 +256,7 @@ impl Baked for Prepared {
         let near = frame.lights.iter().map(|light| Light::near(light, origin));
         let suns = environment.sun.iter().chain(self.fitted.lamps());
         let far = suns.map(|sun| Light::far(sun, frame.world_from_environment));
-        self.moment = Some(Moment {
+        let moment = self.moment.insert(Moment {
             origin,
             ball: spheres.ball(),
             spheres,
@@ -260,15 +265,22 @@ impl Baked for Prepared {
             everywhere: self.everywhere.as_ref().and_then(|fitted| fitted.turned(frame.world_from_environment)),
             eye_lobes: EyeLobes::new(frame),
         });
-        Ok(())
+        let (settings, tables, counters) = (&self.settings, &self.tables, &self.counters);
+        Ok(Box::new(FrameLobes { settings, tables, moment, counters }))
     }
+}
 
-    fn shade(&self, receivers: Receivers<'_>, mut out: RadianceMut<'_>) {
-        let Some(moment) = &self.moment else {
-            out.channels.iter_mut().for_each(|channel| channel.fill(0.0));
-            return;
-        };
-        let mut shading = Shading::new(&self.settings, &self.tables, moment);
+/// A frame ready to be shaded.
+struct FrameLobes<'a> {
+    settings: &'a Settings,
+    tables: &'a Tables,
+    moment: &'a Moment,
+    counters: &'a Counters,
+}
+
+impl Prepared for FrameLobes<'_> {
+    fn shade(&self, receivers: Receivers<'_>, out: RadianceMut<'_>) {
+        let mut shading = Shading::new(self.settings, self.tables, self.moment);
         shading.run(receivers, out);
         let counts = shading.counts;
         self.counters.products.fetch_add(counts.products[0], Relaxed);

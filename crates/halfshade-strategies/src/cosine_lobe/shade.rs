@@ -6,8 +6,8 @@ use super::{
     light::Light,
     lobes::{CellLobes, Shape},
     moment::Moment,
-    parameters::{Order, Settings, Stage},
     reflectance::{Horizon, MOST_TERMS, Term, Terms},
+    settings::{Order, Settings, Stage},
     shared::{Cubes, Masks},
     square::Square,
     tables::Tables,
@@ -122,7 +122,7 @@ impl<'a> Shading<'a> {
             settings.stage(Stage::Reflectance, || Terms::of(receivers, i, moment.eye_lobes.as_ref(), tables.products));
         let mut radiance = (0..moment.lights.len()).map(|light| self.reflected(receiver, &terms, light)).sum();
         if let Some(surroundings) = &moment.surroundings {
-            let (rule, table) = (settings.rule, tables.products);
+            let (rule, table) = (settings.rule.into(), tables.products);
             radiance +=
                 surroundings.reflected(receiver, &terms, (&moment.spheres, None), rule, table, &mut self.around);
         }
@@ -137,7 +137,7 @@ impl<'a> Shading<'a> {
             return match (light.around(receiver.position), &self.moment.everywhere) {
                 (Some(end), Some(everywhere)) => {
                     let (rule, table, before) =
-                        (settings.rule, self.tables.products, (&self.moment.spheres, Some(&end)));
+                        (settings.rule.into(), self.tables.products, (&self.moment.spheres, Some(&end)));
                     light.radiance * everywhere.reflected(receiver, terms, before, rule, table, &mut self.around)
                 }
                 _ => Vec3::ZERO,

@@ -4,7 +4,7 @@ use super::{
     blockers::{Receiver, Spheres},
     lobes::{CellLobes, Shape},
     mask::{Cell, Disc, Mask, covered_fractions},
-    parameters::{Leaves, Order, Settings, Stage, Weights},
+    settings::{Leaves, Order, Settings, Stage, Weights},
     square::Square,
     tables::Tables,
 };
@@ -68,7 +68,7 @@ impl<'a> Visibility<'a> {
     fn find_discs(&mut self, receiver: &Receiver, square: &Square, spheres: &Spheres) -> bool {
         self.discs.clear();
         for (center, radius) in spheres.groups() {
-            let (offset, radius) = receiver.adjusted(&center, radius, self.settings.rule);
+            let (offset, radius) = receiver.adjusted(&center, radius, self.settings.rule.into());
             let mut hides = false;
             square.each_disc(&offset, radius, |disc| {
                 hides |= disc.hides_light();

@@ -17,7 +17,7 @@
 use super::{
     lobes::{CellLobes, Shape},
     mask::{Cell, Disc, MAX_DEPTH, Mask, covered_fractions},
-    parameters::{Leaves, Settings, Weights},
+    settings::{Leaves, Settings, Weights},
     square::{Cells, Square},
 };
 use halfshade_sh::{
@@ -201,13 +201,15 @@ pub(super) fn light_lobe(square: &Square, caps: &CapLobeTable) -> Lobe8 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use halfshade_strategy::Params;
+    use crate::CosineLobe;
+    use halfshade_strategy::Strategy;
 
     fn tables(settings: &str) -> (Settings, Cells, CapLobeTable, LobeTable) {
-        let params = Params::parse(&super::super::parameters::all(), settings).unwrap();
-        let settings = Settings::new(&params);
-        let caps = CapLobeTable::build(settings.fit);
-        (settings, Cells::new(settings.depth), caps, LobeTable::build(settings.product))
+        let params = CosineLobe.info().parse(settings).unwrap();
+        let settings = Settings::read(&params);
+        let (cells, caps) = (Cells::new(settings.depth), CapLobeTable::build(settings.fit.into()));
+        let products = LobeTable::build(settings.product.into());
+        (settings, cells, caps, products)
     }
 
     #[test]

@@ -22,7 +22,7 @@ mod reflector;
 use glam::{DVec3, Vec3};
 use halfshade_scene::{EyeLobes, Frame, Lobe, Lobes, Placement, Progress, RadianceMut, Receivers, Scene};
 use halfshade_strategy::{
-    Baked, Effect, Effects, Footprint, Info, Parameter, ParameterKind, Params, Strategy, StrategyError,
+    Baked, Effect, Effects, Footprint, Info, Params, Prepared, Strategy, StrategyError, choice, settings,
 };
 use light_sampler::{LightSampler, cosine_direction};
 use occlusion::Occlusion;
@@ -34,15 +34,54 @@ use std::f64::consts::PI;
 #[derive(Debug, Clone, Copy, Default)]
 pub struct RayTraced;
 
-struct Prepared {
+choice! {
+    /// How directions are drawn.
+    enum Sampling {
+        /// by the cosine and other lobes of the receiver
+        Cosine = "cosine",
+        /// by the light's radiance
+        Light = "light",
+        /// half and half, weighted by the density of the mixture
+        Both = "mis",
+    }
+}
+
+settings! {
+    /// Everything that can be set.
+    struct Settings {
+        /// rays per receiver
+        "samples" => samples: u32 = 16, in 1..=4096;
+        /// how directions are drawn
+        "sampling" => sampling: Sampling = Sampling::Both;
+    }
+}
+
+impl Sampling {
+    /// Share of directions drawn by cosine, or by the lobes of a glossy receiver.
+    const fn cosine_share(self) -> f64 {
+        match self {
+            Self::Cosine => 1.0,
+            Self::Light => 0.0,
+            Self::Both => 0.5,
+        }
+    }
+}
+
+/// The state kept from frame to frame: objects that stay where they are, and light that doesn't change, cost nothing.
+struct Kept {
+    settings: Settings,
+    occlusion: Option<(Placement, Occlusion)>,
+    light: Option<LightSampler>,
+}
+
+/// A frame ready to be shaded.
+struct FrameRays<'a> {
     samples: u32,
     /// Share of directions drawn by cosine, or by the lobes of a glossy receiver.
     cosine_share: f64,
-    /// What `occlusion` was built for.
-    placement: Placement,
-    occlusion: Option<Occlusion>,
-    light: Option<LightSampler>,
-    /// What receivers reflect towards the eye, if anything is glossy.
+    occlusion: &'a Occlusion,
+    light: &'a LightSampler,
+    /// Lobes by which receivers reflect towards the eye, if anything is glossy.
     eye_lobes: Option<EyeLobes>,
 }
 
@@ -52,18 +91,8 @@ impl Strategy for RayTraced {
             name: "ray-traced",
             summary: "a few shadow rays per receiver: what one would pick today instead",
             source: "[Veach1995]",
-            parameters: vec![
-                Parameter {
-                    name: "samples",
-                    summary: "rays per receiver",
-                    kind: ParameterKind::Integer { default: 16, min: 1, max: 4096 },
-                },
-                Parameter {
-                    name: "sampling",
-                    summary: "how directions are drawn: by cosine (and other lobes), by light, or by both",
-                    kind: ParameterKind::Choice { values: &["cosine", "light", "mis"], default: "mis" },
-                },
-            ],
+            parameters: Settings::parameters(),
+            presets: &[],
             effects: Effects::of(&Effect::DIRECT).with(Effect::GlossyReflectance),
         }
     }
@@ -73,23 +102,13 @@ impl Strategy for RayTraced {
     }
 
     fn bake(&self, _: &Scene, params: &Params, _: &dyn Progress) -> Result<Box<dyn Baked>, StrategyError> {
-        Ok(Box::new(Prepared {
-            samples: params.integer("samples") as u32,
-            cosine_share: match params.choice("sampling") {
-                "cosine" => 1.0,
-                "light" => 0.0,
-                _ => 0.5,
-            },
-            placement: Placement::default(),
-            occlusion: None,
-            light: None,
-            eye_lobes: None,
-        }))
+        Ok(Box::new(Kept { settings: Settings::read(params), occlusion: None, light: None }))
     }
 }
 
-impl Prepared {
-    fn radiance(&self, occlusion: &Occlusion, light: &LightSampler, position: Vec3, normal: Vec3, index: u32) -> Vec3 {
+impl FrameRays<'_> {
+    fn radiance(&self, position: Vec3, normal: Vec3, index: u32) -> Vec3 {
+        let light = self.light;
         let axis = normal.as_dvec3().normalize_or(DVec3::Y);
         let cosine_share = if self.cosine_share > 0.0 && light.is_constant() { 1.0 } else { self.cosine_share };
         let power = light.power(position);
@@ -110,20 +129,14 @@ impl Prepared {
                     light.sample(position, axis, power, [choice, u, v])
                 }
             };
-            sum += self.one_sample(occlusion, light, position, axis, direction, cosine_share, power);
+            sum += self.one_sample(position, axis, direction, cosine_share, power);
         }
         (sum / f64::from(self.samples)).as_vec3()
     }
 
     /// Radiance of a glossy receiver: the same with all of its lobes in place of the cosine.
-    fn glossy(
-        &self,
-        occlusion: &Occlusion,
-        light: &LightSampler,
-        receivers: &Receivers<'_>,
-        i: usize,
-        lobes: Lobes,
-    ) -> Vec3 {
+    fn glossy(&self, receivers: &Receivers<'_>, i: usize, lobes: Lobes) -> Vec3 {
+        let light = self.light;
         let (position, normal) = (receivers.position_at(i), receivers.normal_at(i));
         let axis = normal.as_dvec3().normalize_or(DVec3::Y);
         let reflector = Reflector::new(lobes, Lobe::diffuse(receivers.albedo_at(i), normal), axis);
@@ -148,85 +161,76 @@ impl Prepared {
             let arriving = light.radiance(position, direction);
             let density = share * by_reflectance + (1.0 - share) * arriving.element_sum() / power;
             if arriving != DVec3::ZERO && density > 0.0 {
-                sum += reflectance * seen(occlusion, light, position, axis, direction) / density;
+                sum += reflectance * self.seen(position, axis, direction) / density;
             }
         }
         (sum / f64::from(self.samples)).as_vec3()
     }
 
     /// L V cosθ / (π p) along one direction.
-    #[expect(clippy::too_many_arguments, reason = "one receiver's state, in the innermost loop")]
-    fn one_sample(
-        &self,
-        occlusion: &Occlusion,
-        light: &LightSampler,
-        position: Vec3,
-        normal: DVec3,
-        direction: DVec3,
-        cosine_share: f64,
-        power: f64,
-    ) -> DVec3 {
+    fn one_sample(&self, position: Vec3, normal: DVec3, direction: DVec3, cosine_share: f64, power: f64) -> DVec3 {
         let cosine = normal.dot(direction);
         if cosine <= 0.0 {
             return DVec3::ZERO;
         }
-        let arriving = light.radiance(position, direction);
+        let arriving = self.light.radiance(position, direction);
         let by_light = arriving.element_sum() / power;
         let density = cosine_share * cosine / PI + (1.0 - cosine_share) * by_light;
         if arriving == DVec3::ZERO || density <= 0.0 {
             return DVec3::ZERO;
         }
-        seen(occlusion, light, position, normal, direction) * (cosine / (PI * density))
+        self.seen(position, normal, direction) * (cosine / (PI * density))
     }
-}
 
-/// The radiance that arrives along a direction and isn't blocked.
-fn seen(occlusion: &Occlusion, light: &LightSampler, position: Vec3, normal: DVec3, direction: DVec3) -> DVec3 {
-    let distant = light.distant_radiance(direction);
-    let (ray, lift) = (direction.as_vec3(), normal.as_vec3());
-    let seen = |distance| !occlusion.blocked(position, lift, ray, distance);
-    let mut radiance = if distant != Vec3::ZERO && seen(f32::INFINITY) { distant } else { Vec3::ZERO };
-    for (from_light, distance) in light.local_radiance(position, direction) {
-        if seen(distance) {
-            radiance += from_light;
+    /// The radiance that arrives along a direction and isn't blocked.
+    fn seen(&self, position: Vec3, normal: DVec3, direction: DVec3) -> DVec3 {
+        let distant = self.light.distant_radiance(direction);
+        let (ray, lift) = (direction.as_vec3(), normal.as_vec3());
+        let seen = |distance| !self.occlusion.blocked(position, lift, ray, distance);
+        let mut radiance = if distant != Vec3::ZERO && seen(f32::INFINITY) { distant } else { Vec3::ZERO };
+        for (from_light, distance) in self.light.local_radiance(position, direction) {
+            if seen(distance) {
+                radiance += from_light;
+            }
         }
+        radiance.as_dvec3()
     }
-    radiance.as_dvec3()
 }
 
-impl Baked for Prepared {
+impl Baked for Kept {
     fn footprint(&self) -> Footprint {
         Footprint {
             parts: vec![
-                ("hierarchy and triangles", self.occlusion.as_ref().map_or(0, Occlusion::bytes)),
+                ("hierarchy and triangles", self.occlusion.as_ref().map_or(0, |(_, occlusion)| occlusion.bytes())),
                 ("light sampler", self.light.as_ref().map_or(0, LightSampler::bytes)),
             ],
         }
     }
 
-    fn prepare(&mut self, frame: &Frame<'_>) -> Result<(), StrategyError> {
-        if self.occlusion.is_none() || !frame.is_placed_as(&self.placement) {
-            self.occlusion = Some(Occlusion::new(frame));
-            self.placement = frame.placement();
-        }
-        self.light = Some(LightSampler::new(frame, self.light.take()));
-        self.eye_lobes = EyeLobes::new(frame);
-        Ok(())
+    fn prepare(&mut self, frame: &Frame<'_>) -> Result<Box<dyn Prepared + '_>, StrategyError> {
+        let Settings { samples, sampling } = self.settings;
+        let known = self.occlusion.take().filter(|(placement, _)| frame.is_placed_as(placement));
+        let (_, occlusion) = self.occlusion.insert(known.unwrap_or_else(|| (frame.placement(), Occlusion::new(frame))));
+        let known = self.light.take();
+        Ok(Box::new(FrameRays {
+            samples,
+            cosine_share: sampling.cosine_share(),
+            occlusion,
+            light: self.light.insert(LightSampler::new(frame, known)),
+            eye_lobes: EyeLobes::new(frame),
+        }))
     }
+}
 
+impl Prepared for FrameRays<'_> {
     fn shade(&self, receivers: Receivers<'_>, mut out: RadianceMut<'_>) {
-        let (Some(occlusion), Some(light)) = (&self.occlusion, &self.light) else {
-            (0..receivers.len()).for_each(|i| out.set(i, Vec3::ZERO));
-            return;
-        };
         for i in 0..receivers.len() {
             let lobes = self.eye_lobes.as_ref().map_or(Lobes::NONE, |lobes| lobes.at(&receivers, i));
             if !lobes.is_empty() {
-                out.set(i, self.glossy(occlusion, light, &receivers, i, lobes));
+                out.set(i, self.glossy(&receivers, i, lobes));
                 continue;
             }
-            let (position, normal) = (receivers.position_at(i), receivers.normal_at(i));
-            let radiance = self.radiance(occlusion, light, position, normal, receivers.index[i]);
+            let radiance = self.radiance(receivers.position_at(i), receivers.normal_at(i), receivers.index[i]);
             out.set(i, receivers.albedo_at(i) * radiance);
         }
     }
@@ -243,11 +247,12 @@ mod tests {
     };
 
     fn shade(scene: &Scene, settings: &str, receivers: &ReceiverBuffer) -> RadianceBuffer {
-        let params = Params::parse(&RayTraced.info().parameters, settings).unwrap();
+        let params = RayTraced.info().parse(settings).unwrap();
         let mut baked = RayTraced.bake(scene, &params, &Silent).unwrap();
-        baked.prepare(&scene.frame(0)).unwrap();
+        let frame = scene.frame(0);
+        let prepared = baked.prepare(&frame).unwrap();
         let mut out = RadianceBuffer::zeros(receivers.len());
-        baked.shade(receivers.view(), out.view_mut());
+        prepared.shade(receivers.view(), out.view_mut());
         out
     }
 

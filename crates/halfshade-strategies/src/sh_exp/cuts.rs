@@ -7,7 +7,7 @@
 //! θ_max = asin(r_s / (|x_s - x_c| - r_c))        (eq. 4.8)
 //! ```
 //!
-//! [`Choice::Level`] takes for each object the coarsest level in which no sphere exceeds a threshold. [`Choice::Tree`] goes
+//! [`Levels::Cluster`] takes for each object the coarsest level in which no sphere exceeds a threshold. [`Levels::Tree`] goes
 //! down the hierarchy as \[Ren2006\] does and stops sphere by sphere. So that borders of clusters don't show, the log
 //! blocker of a parent is scaled band by band to what its children would give at the cluster's centre:
 //!
@@ -22,7 +22,8 @@
 use super::{
     blockers::Blocker,
     clusters::ObjectClusters,
-    levels::{Level, Levels},
+    levels::{Hierarchies, Level},
+    settings::Levels,
 };
 use crate::shared::origin::origin_of;
 use glam::{DMat3, DQuat, DVec3, Vec3};
@@ -35,36 +36,16 @@ use halfshade_strategy::StrategyError;
 use std::sync::Arc;
 use wide::f32x8;
 
-/// Which spheres of a hierarchy are taken.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Choice {
-    /// The leaves, everywhere.
-    Leaves,
-    /// One level of each object per cluster [Guerrero2007, 4.2].
-    Level,
-    /// A cut through the tree per cluster \[Ren2006\].
-    Tree,
-}
-
-/// How reflected light of parents is scaled to that of their children.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum ReflectionRatios {
-    /// Towards it.
-    Detailed,
-    /// By eq. 4.34 as printed.
-    AsPrinted,
-}
-
 /// How cuts are made.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CutSettings {
-    pub(super) choice: Choice,
+    pub(super) choice: Levels,
     /// Sine of the largest angular radius of a sphere that isn't a leaf.
     pub(super) threshold_sine: f64,
     /// Whether parents are scaled to their children.
     pub(super) ratios: bool,
     /// Whether what they reflect is scaled too.
-    pub(super) reflection_ratios: Option<ReflectionRatios>,
+    pub(super) reflection_ratios: bool,
     pub(super) bands: usize,
 }
 
@@ -147,7 +128,7 @@ impl Cuts {
     /// blockers are logarithms.
     pub(super) fn new(
         frame: &Frame<'_>,
-        levels: &mut Levels,
+        levels: &mut Hierarchies,
         clusters: &[Arc<ObjectClusters>],
         logs: Option<&BlockerTable>,
         settings: &CutSettings,
@@ -185,7 +166,7 @@ impl Cuts {
         let first = frame.scene.objects.iter().zip(&frame.world_from_object).find_map(blocks).unwrap_or_default();
         let blockers_from_light = DMat3::from_quat(first.as_dquat().normalize().conjugate()) * rotation.transpose();
         let mut cuts = Self { cuts: Vec::new(), turns, rotation, center, blockers_from_light, ..Self::default() };
-        if settings.choice == Choice::Leaves {
+        if settings.choice == Levels::Leaves {
             cuts.cuts.push(objects.iter().flat_map(|object| object.level(0)).collect());
             return Ok(cuts);
         }
@@ -250,15 +231,11 @@ impl Cuts {
     /// ```
     ///
     /// that is eq. 4.34 upside down, which as printed leads away from the detailed value when eq. 4.35 multiplies by it.
-    /// Summed over colours, and held in [0, 4]: where a parent is hardly visible the quotient says nothing. Neither is the
-    /// default: on the vases' ground they change errors by a twentieth (down, and up as printed), on the vases, whose
-    /// clusters have their centres inside, upside down is worse than none (`ratios_of_reflections_were_decided_by_experiment`).
+    /// Summed over colours, and held in [0, 4]: where a parent is hardly visible the quotient says nothing. It isn't the
+    /// default: on the vases' ground it takes a twentieth off errors, on the vases, whose clusters have their centres
+    /// inside, it is worse than none (`ratios_of_reflections_were_decided_by_experiment`).
     /// `parts` gives L̃ Ṽ of all spheres of a list.
-    pub(super) fn set_reflection_ratios(
-        &mut self,
-        ratios: ReflectionRatios,
-        mut parts: impl FnMut(&CoarseCut, &[Blocker]) -> Vec<(u32, f32)>,
-    ) {
+    pub(super) fn set_reflection_ratios(&mut self, mut parts: impl FnMut(&CoarseCut, &[Blocker]) -> Vec<(u32, f32)>) {
         for coarse in &self.coarse {
             let cut = &mut self.cuts[coarse.cut];
             let place_of = |blockers: &[Blocker], emitter| blockers.iter().position(|b| b.emitter == emitter);
@@ -270,10 +247,7 @@ impl Cuts {
             }
             for (emitter, part) in parts(coarse, cut) {
                 if let Some(place) = place_of(cut, emitter) {
-                    let ratio = match ratios {
-                        ReflectionRatios::Detailed => detailed[place] / part,
-                        ReflectionRatios::AsPrinted => part / detailed[place],
-                    };
+                    let ratio = detailed[place] / part;
                     cut[place].reflection_factor = if ratio.is_finite() { ratio.clamp(0.0, 4.0) } else { 1.0 };
                 }
             }
@@ -343,13 +317,13 @@ impl View<'_> {
 impl Placed {
     fn cut(&self, view: &View<'_>) -> Vec<Blocker> {
         match view.settings.choice {
-            Choice::Leaves => self.level(0).collect(),
-            Choice::Level => {
+            Levels::Leaves => self.level(0).collect(),
+            Levels::Cluster => {
                 let fits = |&level: &usize| self.spheres[level].iter().all(|sphere| view.allows(sphere));
                 let level = (1..self.levels.len()).rev().find(fits).unwrap_or(0);
                 (0..self.spheres[level].len()).map(|i| self.scaled(level, i, view)).collect()
             }
-            Choice::Tree => {
+            Levels::Tree => {
                 let top = self.levels.len() - 1;
                 let mut open: Vec<(usize, u32)> = (0..self.spheres[top].len() as u32).map(|i| (top, i)).collect();
                 let mut cut = Vec::new();
@@ -444,7 +418,7 @@ fn add_log<const N: usize>(logs: &BlockerTable, blocker: &Blocker, place: [f32; 
 mod tests {
     use super::*;
     use crate::{
-        sh_exp::{clusters, levels::Overlap},
+        sh_exp::{clusters, settings::Overlap},
         shared::test_scenes::with_spheres,
     };
     use halfshade_scene::{Environment, Motion, ReceiverBuffer, SphereSet, builtin::shapes};
@@ -472,9 +446,9 @@ mod tests {
         let visited = |choice, count: usize| {
             let mut scene = scene.clone();
             scene.objects[1].cluster_count = count;
-            let mut levels = Levels::new(&scene, Overlap::Independent, Some(4));
+            let mut levels = Hierarchies::new(&scene, Overlap::Independent, Some(4));
             let threshold_sine = 15f64.to_radians().sin();
-            let settings = CutSettings { choice, threshold_sine, ratios: false, reflection_ratios: None, bands: 4 };
+            let settings = CutSettings { choice, threshold_sine, ratios: false, reflection_ratios: false, bands: 4 };
             let frame = scene.frame(0);
             let cuts = Cuts::new(&frame, &mut levels, &clusters::clusters(&scene), None, &settings).unwrap();
             let receivers = ReceiverBuffer::vertices(&frame);
@@ -483,7 +457,7 @@ mod tests {
             let sizes = numbers[first..].iter().map(|&cut| cuts.cut(cut as usize).len());
             sizes.sum::<usize>() as f64 / (numbers.len() - first) as f64
         };
-        for choice in [Choice::Level, Choice::Tree] {
+        for choice in [Levels::Cluster, Levels::Tree] {
             let (one, default) = (visited(choice, 1), visited(choice, 0));
             assert!(one == 48.0 && default < 16.0, "{choice:?}: {one} spheres with one cluster, {default} by default");
         }

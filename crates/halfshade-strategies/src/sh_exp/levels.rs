@@ -1,20 +1,12 @@
 //! The spheres of every object, from the leaves to coarser levels [Guerrero2007, 4.1 "Parent sphere construction"].
 
+use super::settings::Overlap;
 use glam::DQuat;
 use halfshade_scene::{
     Deformed, Mesh, Object, Scene, Sphere, SphereSet,
     spheres::{Followed, SphereBinding, SphereHierarchy, overlap_shares},
 };
 use std::sync::Arc;
-
-/// What to do about spheres of one object that cover each other.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Overlap {
-    /// Each counts in full [Guerrero2007, eq. 4.7]: a direction behind k spheres is blocked k times.
-    Independent,
-    /// Each counts by the share of its silhouette that is its own, see [`overlap_shares`]: about once.
-    Shared,
-}
 
 /// Spheres of one object that bound it together.
 #[derive(Debug, Clone)]
@@ -40,14 +32,14 @@ impl Level {
 
 /// The levels of all sphere sets, kept from frame to frame.
 #[derive(Debug, Clone)]
-pub(super) struct Levels {
+pub(super) struct Hierarchies {
     overlap: Overlap,
     /// Children per parent; without it there are leaves only.
     branching: Option<usize>,
     known: Vec<Known>,
 }
 
-/// Levels, and what they were made of.
+/// Hierarchies, and what they were made of.
 #[derive(Debug, Clone)]
 struct Known {
     set: Arc<SphereSet>,
@@ -56,7 +48,7 @@ struct Known {
     levels: Arc<[Level]>,
 }
 
-impl Levels {
+impl Hierarchies {
     /// Of every object of `scene`, ahead of its first frame.
     pub(super) fn new(scene: &Scene, overlap: Overlap, branching: Option<usize>) -> Self {
         let mut levels = Self { overlap, branching, known: Vec::new() };

@@ -72,32 +72,32 @@ mod ground;
 mod levels;
 mod light_product;
 mod moment;
-mod parameters;
 mod prepared;
 mod reflections;
+mod settings;
 mod shade;
 mod sun_product;
 mod traced;
 
-use cuts::{Choice, CutOf, CutSettings, Cuts, ReflectionRatios};
+use cuts::{CutOf, CutSettings, Cuts};
 use ground::Ground;
 use halfshade_scene::{
     Frame, Progress, RadianceBuffer, RadianceMut, ReceiverBuffer, Receivers, Scene, light::OctahedralGrid,
-    spheres::AdjustRule,
 };
 use halfshade_sh::{
     blocker_table::{BlockerTable, Quantity},
     dispatch_bands,
-    exponential::{Exponential, Method},
     kernel::BatchExponential,
-    window::Window,
 };
-use halfshade_strategy::{Baked, Effect, Effects, Footprint, Info, Params, Strategy, StrategyError};
-use levels::{Levels, Overlap};
+use halfshade_strategy::{
+    Baked, Effect, Effects, Footprint, Info, Params, Prepared as PreparedFrame, Strategy, StrategyError,
+};
+use levels::Hierarchies;
 use light_product::LightProduct;
 use moment::Moment;
 use prepared::{Combination, Prepared};
 use reflections::Reflections;
+use settings::{ExponentialForm, GroundMode, Levels, PRESETS, Ratios, Settings};
 use std::sync::Arc;
 
 /// The strategy.
@@ -119,7 +119,8 @@ impl Strategy for ShExp {
             name: "sh-exp",
             summary: "sum of log blockers of spheres in spherical harmonics, exponentiated",
             source: "[Guerrero2007, 4.2]",
-            parameters: parameters::all(),
+            parameters: Settings::parameters(),
+            presets: PRESETS,
             effects: Effects::of(&[
                 Effect::EnvironmentLight,
                 Effect::ColouredLight,
@@ -134,115 +135,70 @@ impl Strategy for ShExp {
         if !scene.lights.is_empty() {
             return Err(StrategyError::Unsupported(NO_LOCAL_LIGHTS.into()));
         }
-        let bands = params.integer("bands") as usize;
-        let clip = params.float("clip");
-        let exponential = |exp, limit| {
-            let limit = match limit {
-                0.0 => default_magnitude_limit(exp, bands),
-                limit => limit,
-            };
-            let method = match exp {
-                "series" => Method::Series {
-                    terms: params.integer("terms") as u32,
-                    magnitude_limit: (params.choice("scaling") == "on").then_some(limit),
-                },
-                "optimal-linear" => Method::OptimalLinear,
-                "hybrid" => Method::Hybrid { magnitude_limit: limit },
-                "quadratic" => Method::Quadratic { magnitude_limit: limit },
-                _ => return None,
-            };
-            let exponential = Exponential::new(bands, method, clip);
-            let published = params.choice("squaring") == "published";
-            BatchExponential::new(&if published { exponential } else { exponential.blended() })
-        };
+        let settings = Settings::read(params);
+        let bands = settings.bands;
         progress.start("tables of blockers and light", 2);
         let unsupported = || StrategyError::Failed(format!("{bands} bands: there are kernels for 1 to 8"));
         let build = |quantity| BlockerTable::build(bands, quantity).map(Arc::new).ok_or_else(unsupported);
-        let logarithm = Quantity::Logarithm { clip };
-        let (combination, quantity) = match params.choice("exp") {
-            "shares" => (Combination::Shares { points: params.integer("points") as usize }, Quantity::BlockerMinusOne),
-            "product" => (Combination::Product, Quantity::BlockerMinusOne),
-            "traced" => {
-                (Combination::Traced { directions: params.integer("directions") as usize }, Quantity::BlockerMinusOne)
+        let exponential =
+            |form, limit| BatchExponential::new(&settings.exponential(form, limit)).ok_or_else(unsupported);
+        let logarithm = Quantity::Logarithm { clip: settings.clip };
+        let quantity = settings.combination.exponential().map_or(Quantity::BlockerMinusOne, |_| logarithm);
+        let combination = match settings.combination {
+            settings::Combination::Product => Combination::Product,
+            settings::Combination::Shares => Combination::Shares { points: settings.points },
+            settings::Combination::Traced => Combination::Traced { directions: settings.directions },
+            settings::Combination::Series
+            | settings::Combination::OptimalLinear
+            | settings::Combination::Hybrid
+            | settings::Combination::Quadratic => {
+                let form = settings.combination.exponential().unwrap_or(ExponentialForm::Hybrid);
+                Combination::Exponential(exponential(form, settings.magnitude_limit)?)
             }
-            exp => (
-                Combination::Exponential(exponential(exp, params.float("magnitude-limit")).ok_or_else(unsupported)?),
-                logarithm,
-            ),
         };
         let table = build(quantity)?;
-        let choice = match params.choice("levels") {
-            "cluster" => Choice::Level,
-            "tree" => Choice::Tree,
-            _ => Choice::Leaves,
-        };
-        let overlap = if params.choice("overlap") == "shared" { Overlap::Shared } else { Overlap::Independent };
-        let branching = (choice != Choice::Leaves).then(|| params.integer("branching") as usize);
-        let mut levels = Levels::new(scene, overlap, branching);
-        let bounces = scene.bounces.min(params.integer("bounces") as usize);
+        let branching = (settings.levels != Levels::Leaves).then_some(settings.branching);
+        let mut hierarchies = Hierarchies::new(scene, settings.overlap, branching);
+        let bounces = scene.bounces.min(settings.bounces);
         let reflections = match bounces {
             0 => None,
-            _ if choice == Choice::Tree => {
+            _ if settings.levels == Levels::Tree => {
                 return Err(StrategyError::Unsupported(NO_REFLECTING_TREES.into()));
             }
             _ => {
-                let limit = params.float("reflection-limit");
-                let exponential = exponential(params.choice("reflection-exp"), limit).ok_or_else(unsupported)?;
+                let exponential = exponential(settings.reflection_form, settings.reflection_limit)?;
                 let table = if quantity == logarithm { table.clone() } else { build(logarithm)? };
-                Some(Reflections::new(scene, params, bounces, exponential, table, &mut levels))
+                Some(Reflections::new(scene, &settings, bounces, exponential, table, &mut hierarchies))
             }
         };
         progress.advance(1);
-        let window = match params.choice("window") {
-            "hann" => Window::Hann,
-            "lanczos" => Window::Lanczos,
-            _ => Window::None,
-        };
-        let grid = OctahedralGrid::new(params.integer("normals") as usize);
-        let light = LightProduct::new(bands, &scene.environment, grid, window);
+        let light =
+            LightProduct::new(bands, &scene.environment, OctahedralGrid::new(settings.normals), settings.window.into());
         progress.advance(1);
         Ok(Box::new(Prepared {
             bands,
-            rule: match params.choice("rule") {
-                "covering" => AdjustRule::Covering,
-                "published" => AdjustRule::Published,
-                _ => AdjustRule::Continuous,
-            },
-            clamp: params.choice("clamp") == "on",
+            rule: settings.rule.into(),
+            clamp: settings.clamp.is_on(),
             table,
             combination,
             light,
-            levels,
-            clusters: if choice == Choice::Leaves { Vec::new() } else { clusters::clusters(scene) },
+            levels: hierarchies,
+            clusters: if settings.levels == Levels::Leaves { Vec::new() } else { clusters::clusters(scene) },
             cut_settings: CutSettings {
-                choice,
-                threshold_sine: params.float("cut-angle").to_radians().sin(),
-                ratios: params.choice("ratios") != "off",
-                reflection_ratios: match params.choice("ratios") {
-                    "on" => Some(ReflectionRatios::Detailed),
-                    "printed" => Some(ReflectionRatios::AsPrinted),
-                    _ => None,
-                },
+                choice: settings.levels,
+                threshold_sine: settings.cut_angle.to_radians().sin(),
+                ratios: settings.ratios != Ratios::Off,
+                reflection_ratios: settings.ratios == Ratios::On,
                 bands,
             },
             cuts: Cuts::default(),
             reflections,
-            ground: (params.choice("ground") == "seen")
-                .then(|| Ground::new(scene, bands, params.integer("ground-directions") as usize))
+            ground: (settings.ground == GroundMode::Seen)
+                .then(|| Ground::new(scene, bands, settings.ground_directions))
                 .flatten(),
             moment: None,
         }))
     }
-}
-
-/// Magnitude limit for an `exp` if none is asked for.
-///
-/// The optimal-linear form lacks the square: up to `f̂*f̂/2`, which is at most `bands/√4π |f̂|²/2` because a vector of bands n
-/// is nowhere larger than `n/√4π` times its magnitude. Squared back, 2^p such errors make about `n |f̂| limit`; and `|f̂|` of
-/// the same small blockers grows with n itself. So that error doesn't grow with the bands the limit must fall as 1/n²; at
-/// 4 bands 0.5 is within a tenth of the full series. The series and the quadratic form have the square.
-fn default_magnitude_limit(exp: &str, bands: usize) -> f64 {
-    if exp == "hybrid" { 8.0 / (bands * bands) as f64 } else { 1.0 }
 }
 
 impl Baked for Prepared {
@@ -258,12 +214,12 @@ impl Baked for Prepared {
         }
     }
 
-    fn prepare(&mut self, frame: &Frame<'_>) -> Result<(), StrategyError> {
+    fn prepare(&mut self, frame: &Frame<'_>) -> Result<Box<dyn PreparedFrame + '_>, StrategyError> {
         if !frame.lights.is_empty() {
             return Err(StrategyError::Unsupported(NO_LOCAL_LIGHTS.into()));
         }
         if self.moment.as_ref().is_some_and(|moment| moment.is(frame)) {
-            return Ok(());
+            return Ok(Box::new(&*self));
         }
         self.moment = None;
         self.light.set(&frame.scene.environment);
@@ -283,9 +239,11 @@ impl Baked for Prepared {
         }
         self.reflect(frame);
         self.moment = Some(Moment::of(frame));
-        Ok(())
+        Ok(Box::new(&*self))
     }
+}
 
+impl PreparedFrame for &Prepared {
     fn shade(&self, receivers: Receivers<'_>, out: RadianceMut<'_>) {
         self.shade_by(receivers, CutOf::Cluster, out);
     }
@@ -316,10 +274,9 @@ impl Prepared {
         if let Some(ground) = &mut self.ground {
             ground.points = on_ground;
         }
-        if let Some(ratios) = self.cut_settings.reflection_ratios.filter(|_| self.cuts.is_coarse()) {
+        if self.cut_settings.reflection_ratios && self.cuts.is_coarse() {
             let mut cuts = std::mem::take(&mut self.cuts);
-            let _: Option<()> =
-                dispatch_bands!(self.bands, N => shade::scale_reflections::<N>(self, ratios, &mut cuts));
+            let _: Option<()> = dispatch_bands!(self.bands, N => shade::scale_reflections::<N>(self, &mut cuts));
             self.cuts = cuts;
         }
     }

@@ -4,7 +4,7 @@ use super::{
     clusters::ObjectClusters,
     cuts::{CutSettings, Cuts},
     ground::Ground,
-    levels::Levels,
+    levels::Hierarchies,
     light_product::LightProduct,
     moment::Moment,
     reflections::Reflections,
@@ -35,7 +35,7 @@ pub(super) struct Prepared {
     pub(super) table: Arc<BlockerTable>,
     pub(super) combination: Combination,
     pub(super) light: LightProduct,
-    pub(super) levels: Levels,
+    pub(super) levels: Hierarchies,
     /// Receiver clusters, object by object.
     pub(super) clusters: Vec<Arc<ObjectClusters>>,
     pub(super) cut_settings: CutSettings,

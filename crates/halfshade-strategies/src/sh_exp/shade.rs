@@ -2,7 +2,7 @@
 
 use super::{
     blockers::Blocker,
-    cuts::{CutOf, Cuts, ReflectionRatios},
+    cuts::{CutOf, Cuts},
     exposed::Exposure,
     prepared::{Combination, Prepared},
     reflections::{Gather, Reflections},
@@ -44,10 +44,10 @@ pub(super) fn shade<const N: usize>(
 }
 
 /// Ratios of reflected light for the parents in `cuts`.
-pub(super) fn scale_reflections<const N: usize>(prepared: &Prepared, ratios: ReflectionRatios, cuts: &mut Cuts) {
+pub(super) fn scale_reflections<const N: usize>(prepared: &Prepared, cuts: &mut Cuts) {
     let Some(reflections) = prepared.reflections.as_ref().filter(|reflections| !reflections.is_dark()) else { return };
     let mut gather = Gather::<N>::new(reflections.emitter_count(), cuts.largest());
-    cuts.set_reflection_ratios(ratios, |cluster, blockers| {
+    cuts.set_reflection_ratios(|cluster, blockers| {
         let normal = cluster.normal.map(f32x8::splat);
         gather.see((prepared, reflections), blockers, &cluster.place.map(f32x8::splat), &normal);
         gather.parts(reflections, &normal)

@@ -48,6 +48,7 @@ mod basis;
 mod details;
 mod field;
 mod haar;
+mod settings;
 mod sh;
 mod shell;
 mod shells;
@@ -55,11 +56,10 @@ mod solid;
 mod traced;
 mod vertices;
 
-use baking::{Baking, Source};
-use basis::Storage;
-use field::{Shells, Thinning};
+use baking::Baking;
 use halfshade_scene::{Cache, Progress, Scene};
-use halfshade_strategy::{Baked, Effect, Effects, Info, Parameter, ParameterKind, Params, Strategy, StrategyError};
+use halfshade_strategy::{Baked, Effect, Effects, Info, Params, Strategy, StrategyError};
+use settings::{Basis, PRESETS, Settings};
 
 /// The strategy.
 #[derive(Debug, Clone, Default)]
@@ -76,89 +76,12 @@ impl ShadowField {
 
 impl Strategy for ShadowField {
     fn info(&self) -> Info {
-        let parameter = |name, summary, kind| Parameter { name, summary, kind };
         Info {
             name: "shadow-field",
             summary: "visibility precomputed on shells around every object, combined by SH triple products",
             source: "[Tamura2006]",
-            parameters: vec![
-                parameter(
-                    "basis",
-                    "spherical harmonics, or Haar wavelets on the faces of a cube",
-                    ParameterKind::Choice { values: &["sh", "haar"], default: "sh" },
-                ),
-                parameter("bands", "SH: bands of visibility", ParameterKind::Integer { default: 4, min: 1, max: 8 }),
-                parameter("shells", "concentric shells", ParameterKind::Integer { default: 32, min: 1, max: 128 }),
-                parameter(
-                    "inner",
-                    "shells within the first, each half as large as the next; 0 as published",
-                    ParameterKind::Integer { default: 3, min: 0, max: 8 },
-                ),
-                parameter(
-                    "spacing",
-                    "distance between shells, in radii of their object",
-                    ParameterKind::Float { default: 0.2, min: 0.01, max: 2.0 },
-                ),
-                parameter(
-                    "resolution",
-                    "sample points per shell, in longitude as in latitude; rounded up to a power of two",
-                    ParameterKind::Integer { default: 64, min: 1, max: 256 },
-                ),
-                parameter(
-                    "inside",
-                    "sample points within a solid: moved to the nearest places outside, or, as published, blocked",
-                    ParameterKind::Choice { values: &["moved", "blocked"], default: "moved" },
-                ),
-                parameter(
-                    "map",
-                    "SH: directions per sample point, in longitude as in latitude",
-                    ParameterKind::Integer { default: 64, min: 8, max: 256 },
-                ),
-                parameter(
-                    "sampling",
-                    "shells as dense as the threshold asks for; only those that it asks for; all at the full resolution; no \
-                     fields but rays at the receiver, for each object or, without products, for all together",
-                    ParameterKind::Choice {
-                        values: &["adaptive", "adaptive-shells", "fixed", "traced", "together"],
-                        default: "adaptive",
-                    },
-                ),
-                parameter(
-                    "threshold",
-                    "adaptive: mean absolute error of visibility, over all directions, that a sample point may have",
-                    ParameterKind::Float { default: 0.010, min: 0.0, max: 1.0 },
-                ),
-                parameter(
-                    "storage",
-                    "how coefficients are stored",
-                    ParameterKind::Choice { values: &["u8", "f16", "f32"], default: "u8" },
-                ),
-                parameter(
-                    "own",
-                    "SH: an object's own occlusion times the cosine: projected as they are, or as an SH product",
-                    ParameterKind::Choice { values: &["projected", "product"], default: "product" },
-                ),
-                parameter(
-                    "face",
-                    "Haar: texels along the edges of a cube's face; rounded up to a power of two",
-                    ParameterKind::Integer { default: 32, min: 1, max: 64 },
-                ),
-                parameter(
-                    "kept",
-                    "Haar: share of coefficients that a sample point keeps, the largest",
-                    ParameterKind::Float { default: 0.05, min: 0.0, max: 1.0 },
-                ),
-                parameter(
-                    "coding",
-                    "Haar: coefficients listed by number, as published, or as trees, where parents tell of their children",
-                    ParameterKind::Choice { values: &["tree", "listed"], default: "tree" },
-                ),
-                parameter(
-                    "product",
-                    "Haar: the triple product of wavelets, or the same function from texels one by one",
-                    ParameterKind::Choice { values: &["texels", "wavelets"], default: "texels" },
-                ),
-            ],
+            parameters: Settings::parameters(),
+            presets: PRESETS,
             effects: Effects::of(&[
                 Effect::EnvironmentLight,
                 Effect::LocalLights,
@@ -174,34 +97,17 @@ impl Strategy for ShadowField {
     }
 
     fn bake(&self, scene: &Scene, params: &Params, progress: &dyn Progress) -> Result<Box<dyn Baked>, StrategyError> {
-        let sampling = params.choice("sampling");
+        let settings = Settings::read(params);
         let baking = Baking {
             cache: &self.cache,
-            sampling: Shells {
-                count: params.integer("shells") as usize,
-                inner: params.integer("inner") as u32,
-                resolution: (params.integer("resolution") as usize).next_power_of_two(),
-                spacing: params.float("spacing") as f32,
-                leaves_solids: params.choice("inside") == "moved",
-            },
-            thinning: Thinning {
-                threshold: (sampling != "fixed").then(|| params.float("threshold")),
-                drops_shells: sampling == "adaptive-shells",
-            },
-            source: match sampling {
-                "traced" => Source::Traced,
-                "together" => Source::Together,
-                _ => Source::Fields,
-            },
-            storage: match params.choice("storage") {
-                "f32" => Storage::F32,
-                "f16" => Storage::F16,
-                _ => Storage::U8,
-            },
+            sampling: settings.shells(),
+            thinning: settings.thinning(),
+            source: settings.source(),
+            storage: settings.storage.into(),
         };
-        match params.choice("basis") {
-            "haar" => haar::bake(&baking, scene, params, progress),
-            _ => sh::bake(&baking, scene, params, progress),
+        match settings.basis {
+            Basis::Sh => sh::bake(&baking, scene, &settings, progress),
+            Basis::Haar => haar::bake(&baking, scene, &settings, progress),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! What several methods need and neither `halfshade-scene` nor `halfshade-sh` can have: each does without the other, and
 //! without rays.
 
+pub(crate) mod adjustment;
 pub(crate) mod origin;
 pub(crate) mod tangent_plane;
 #[cfg(test)]

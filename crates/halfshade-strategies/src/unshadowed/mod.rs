@@ -16,7 +16,7 @@ use halfshade_scene::{
     light::{DirectionalCells, DistantLight, OctahedralGrid, Sun},
 };
 use halfshade_strategy::{
-    Baked, Effect, Effects, Footprint, Info, Parameter, ParameterKind, Params, Strategy, StrategyError,
+    Baked, Effect, Effects, Footprint, Info, Params, Prepared, Strategy, StrategyError, settings,
 };
 use rayon::prelude::*;
 use std::f32::consts::PI;
@@ -25,12 +25,27 @@ use std::f32::consts::PI;
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Unshadowed;
 
+settings! {
+    /// Everything that can be set.
+    struct Settings {
+        /// cells from the centre of the table over normals to its side
+        "normals" => normals: usize = 32, in 2..=256;
+    }
+}
+
+/// The environment's irradiance over normals, in its own space.
 #[derive(Debug)]
-struct Prepared {
+struct Irradiance {
     base: DistantLight,
     grid: OctahedralGrid,
     /// Irradiance at each node of the grid; empty for constant light.
     table: Vec<Vec3>,
+}
+
+/// The light of a frame.
+#[derive(Debug)]
+struct FrameLight<'a> {
+    distant: &'a Irradiance,
     sun: Option<Sun>,
     environment_from_world: Mat3,
     lights: Vec<SphereLight>,
@@ -42,11 +57,8 @@ impl Strategy for Unshadowed {
             name: "unshadowed",
             summary: "light without visibility: what ignoring shadows costs",
             source: "[Dachsbacher2017]",
-            parameters: vec![Parameter {
-                name: "normals",
-                summary: "cells from the centre of the table over normals to its side",
-                kind: ParameterKind::Integer { default: 32, min: 2, max: 256 },
-            }],
+            parameters: Settings::parameters(),
+            presets: &[],
             effects: Effects::of(&Effect::DIRECT),
         }
     }
@@ -56,21 +68,14 @@ impl Strategy for Unshadowed {
     }
 
     fn bake(&self, scene: &Scene, params: &Params, _: &dyn Progress) -> Result<Box<dyn Baked>, StrategyError> {
-        let grid = OctahedralGrid::new(params.integer("normals") as usize);
-        let mut prepared = Prepared {
-            base: DistantLight::Constant(Vec3::ZERO),
-            grid,
-            table: Vec::new(),
-            sun: None,
-            environment_from_world: Mat3::IDENTITY,
-            lights: Vec::new(),
-        };
-        prepared.set_base(&scene.environment.base);
-        Ok(Box::new(prepared))
+        let grid = OctahedralGrid::new(Settings::read(params).normals);
+        let mut irradiance = Irradiance { base: DistantLight::Constant(Vec3::ZERO), grid, table: Vec::new() };
+        irradiance.set_base(&scene.environment.base);
+        Ok(Box::new(irradiance))
     }
 }
 
-impl Prepared {
+impl Irradiance {
     fn set_base(&mut self, base: &DistantLight) {
         if self.base.is_same_as(base) {
             return;
@@ -86,15 +91,21 @@ impl Prepared {
         };
     }
 
-    fn irradiance(&self, position: Vec3, normal: Vec3) -> Vec3 {
-        let normal_in_environment = self.environment_from_world * normal;
-        let mut irradiance = match &self.base {
+    fn at(&self, normal: Vec3) -> Vec3 {
+        match &self.base {
             DistantLight::Constant(radiance) => PI * *radiance,
             DistantLight::Map(_) => {
-                let found = self.grid.lookup(normal_in_environment);
+                let found = self.grid.lookup(normal);
                 (0..3).map(|k| found.weights[k] * self.table[found.nodes[k]]).sum()
             }
-        };
+        }
+    }
+}
+
+impl FrameLight<'_> {
+    fn irradiance(&self, position: Vec3, normal: Vec3) -> Vec3 {
+        let normal_in_environment = self.environment_from_world * normal;
+        let mut irradiance = self.distant.at(normal_in_environment);
         if let Some(sun) = self.sun {
             irradiance += sun.irradiance(normal_in_environment);
         }
@@ -102,19 +113,23 @@ impl Prepared {
     }
 }
 
-impl Baked for Prepared {
+impl Baked for Irradiance {
     fn footprint(&self) -> Footprint {
         Footprint { parts: vec![("irradiance over normals", size_of_val(self.table.as_slice()))] }
     }
 
-    fn prepare(&mut self, frame: &Frame<'_>) -> Result<(), StrategyError> {
+    fn prepare(&mut self, frame: &Frame<'_>) -> Result<Box<dyn Prepared + '_>, StrategyError> {
         self.set_base(&frame.scene.environment.base);
-        self.sun = frame.scene.environment.sun;
-        self.environment_from_world = Mat3::from_quat(frame.world_from_environment.normalize().conjugate());
-        self.lights.clone_from(&frame.lights);
-        Ok(())
+        Ok(Box::new(FrameLight {
+            distant: self,
+            sun: frame.scene.environment.sun,
+            environment_from_world: Mat3::from_quat(frame.world_from_environment.normalize().conjugate()),
+            lights: frame.lights.clone(),
+        }))
     }
+}
 
+impl Prepared for FrameLight<'_> {
     fn shade(&self, receivers: Receivers<'_>, mut out: RadianceMut<'_>) {
         for i in 0..receivers.len() {
             let irradiance = self.irradiance(receivers.position_at(i), receivers.normal_at(i));
@@ -137,9 +152,10 @@ mod tests {
         let cells = DirectionalCells::new(&map);
         let scene =
             crate::shared::test_scenes::empty(halfshade_scene::Environment { base: DistantLight::Map(map), sun: None });
-        let params = Params::defaults(&Unshadowed.info().parameters);
+        let params = Unshadowed.info().defaults();
         let mut baked = Unshadowed.bake(&scene, &params, &halfshade_scene::progress::Silent).unwrap();
-        baked.prepare(&scene.frame(0)).unwrap();
+        let frame = scene.frame(0);
+        let prepared = baked.prepare(&frame).unwrap();
         let mut receivers = halfshade_scene::ReceiverBuffer::default();
         for i in 0..500 {
             let angle = i as f32 * 2.4;
@@ -148,7 +164,7 @@ mod tests {
             receivers.push(Vec3::ZERO, normal, Vec3::ONE, 0);
         }
         let mut out = halfshade_scene::RadianceBuffer::zeros(500);
-        baked.shade(receivers.view(), out.view_mut());
+        prepared.shade(receivers.view(), out.view_mut());
         for i in 0..500 {
             let exact = cells.irradiance(receivers.view().normal_at(i)) / PI;
             // Small bright texels put kinks into the irradiance, which the triangles round off.

@@ -3,16 +3,16 @@
 //! Light transport keeps channels apart. Whatever is coloured, each channel must come out as it does in the grey scene that has
 //! this channel's values everywhere, where no colour is looked for at all.
 
+use crate::common;
 use glam::{DVec2, Vec3};
 use halfshade_scene::{
     Environment, Material, Motion, Object, Pose, RadianceBuffer, ReceiverBuffer, Scene, Sphere, SphereLight, SphereSet,
     Texture,
     builtin::shapes,
     light::{DistantLight, EnvironmentMap, Sun},
-    progress::Silent,
 };
 use halfshade_strategies::{RayTraced, ShExp, Unshadowed};
-use halfshade_strategy::{Params, Strategy};
+use halfshade_strategy::Strategy;
 use std::sync::Arc;
 
 fn object(name: &str, mesh: halfshade_scene::Mesh, spheres: usize, pose: Pose) -> Object {
@@ -146,12 +146,7 @@ fn channel_of(scene: &Scene, channel: usize) -> Scene {
 fn shade(strategy: &dyn Strategy, settings: &str, scene: &Scene) -> RadianceBuffer {
     let frame = scene.frame(0);
     let receivers = ReceiverBuffer::vertices(&frame);
-    let params = Params::parse(&strategy.info().parameters, settings).unwrap();
-    let mut baked = strategy.bake(scene, &params, &Silent).unwrap();
-    baked.prepare(&frame).unwrap();
-    let mut out = RadianceBuffer::zeros(receivers.len());
-    baked.shade(receivers.view(), out.view_mut());
-    out
+    common::shaded(strategy, scene, &frame, &receivers, settings)
 }
 
 fn every_channel_is_as_it_is_alone(strategy: &dyn Strategy, settings: &str, scenes: &[(&str, Scene)]) {
@@ -197,16 +192,12 @@ fn direct_light_keeps_every_colour() {
 #[test]
 fn colours_may_come_later() {
     let receivers_of = |scene: &Scene| ReceiverBuffer::vertices(&scene.frame(0));
-    let params = Params::parse(&ShExp.info().parameters, "bands=3,normals=4,ground=seen").unwrap();
     let before = grey();
     let mut after = before.clone();
     after.environment = Environment::constant(Vec3::new(0.2, 1.0, 0.4));
-    let mut baked = ShExp.bake(&before, &params, &Silent).unwrap();
-    baked.prepare(&before.frame(0)).unwrap();
-    baked.prepare(&after.frame(0)).unwrap();
-    let receivers = receivers_of(&after);
-    let mut found = RadianceBuffer::zeros(receivers.len());
-    baked.shade(receivers.view(), found.view_mut());
+    let mut baked = common::baked(&ShExp, &before, "bands=3,normals=4,ground=seen");
+    common::shade(baked.as_mut(), &before.frame(0), &receivers_of(&before));
+    let found = common::shade(baked.as_mut(), &after.frame(0), &receivers_of(&after));
     let expected = shade(&ShExp, "bands=3,normals=4,ground=seen", &after);
     assert_eq!(found, expected);
 }

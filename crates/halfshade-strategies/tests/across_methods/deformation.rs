@@ -1,11 +1,12 @@
 //! Objects that a skeleton deforms: strategies and the truth against what is the same without one.
 
+use crate::common;
 use glam::{Affine3A, Vec3};
 use halfshade_scene::{
     Cache, Frame, Joint, Motion, Object, Pose, RadianceBuffer, ReceiverBuffer, Scene, Skin, builtin, progress::Silent,
 };
 use halfshade_strategies::{ray_traced::RayTraced, sh_exp::ShExp};
-use halfshade_strategy::{Params, Strategy};
+use halfshade_strategy::Strategy;
 use halfshade_truth::{Geometry, Options, Tracer, estimate};
 use std::sync::Arc;
 
@@ -30,15 +31,10 @@ fn by_skeletons(scene: &Scene) -> Scene {
 }
 
 fn shade(strategy: &dyn Strategy, scene: &Scene, frame: &Frame<'_>, settings: &str) -> RadianceBuffer {
-    let params = Params::parse(&strategy.info().parameters, settings).unwrap();
-    let mut baked = strategy.bake(scene, &params, &Silent).unwrap();
+    let mut baked = common::baked(strategy, scene, settings);
     // From another frame to this one: nothing of the other may stay.
     baked.prepare(&scene.frame(0)).unwrap();
-    baked.prepare(frame).unwrap();
-    let receivers = ReceiverBuffer::vertices(frame);
-    let mut radiance = RadianceBuffer::zeros(receivers.len());
-    baked.shade(receivers.view(), radiance.view_mut());
-    radiance
+    common::shade(baked.as_mut(), frame, &ReceiverBuffer::vertices(frame))
 }
 
 /// Root mean square of the differences, and the largest.
@@ -91,12 +87,8 @@ fn a_bent_hand_is_shaded_as_well_as_an_open_one() {
         let geometry = Geometry::Spheres(Default::default());
         let options = Options { samples: 256, bounces: 1, geometry, ..Options::default() };
         let truth = estimate(&Tracer::new(&frame), receivers.view(), &options, &Silent);
-        let params = Params::parse(&ShExp.info().parameters, "").unwrap();
-        let mut baked = ShExp.bake(&scene, &params, &Silent).unwrap();
         let shape_of_another = Frame { deformed: scene.frame(blockers_at).deformed, ..scene.frame(index) };
-        baked.prepare(&shape_of_another).unwrap();
-        let mut radiance = RadianceBuffer::zeros(receivers.len());
-        baked.shade(receivers.view(), radiance.view_mut());
+        let radiance = common::shaded(&ShExp, &scene, &shape_of_another, &receivers, "");
         differences(&radiance, &truth.radiance).0 / truth.unshadowed_mean
     };
     let (open, bent, left_behind) = (error(0, 0), error(60, 60), error(60, 0));
@@ -107,14 +99,8 @@ fn a_bent_hand_is_shaded_as_well_as_an_open_one() {
 fn at_rest_in_a_frame_of_its_own_nothing_is_prepared_again() {
     let scene = built("hand", 1);
     let receivers = ReceiverBuffer::vertices(&scene.frame(60));
-    let params = Params::parse(&ShExp.info().parameters, "").unwrap();
-    let mut baked = ShExp.bake(&scene, &params, &Silent).unwrap();
-    let mut shade = |frame: &Frame<'_>| {
-        baked.prepare(frame).unwrap();
-        let mut radiance = RadianceBuffer::zeros(receivers.len());
-        baked.shade(receivers.view(), radiance.view_mut());
-        radiance
-    };
+    let mut baked = common::baked(&ShExp, &scene, "");
+    let mut shade = |frame: &Frame<'_>| common::shade(baked.as_mut(), frame, &receivers);
     let first = shade(&scene.frame(60));
     assert_ne!(first, shade(&scene.frame(20)));
     assert_eq!(first, shade(&scene.frame(60)));

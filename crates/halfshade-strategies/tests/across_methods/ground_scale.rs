@@ -1,12 +1,13 @@
 //! Rays from surfaces find the same nearby whatever else the scene holds.
 
+use crate::common::shaded;
 use glam::{Quat, Vec3};
 use halfshade_scene::{
     Environment, Material, Mesh, Motion, Object, Pose, RadianceBuffer, ReceiverBuffer, Scene, SphereLight,
-    builtin::shapes, progress::Silent,
+    builtin::shapes,
 };
 use halfshade_strategies::{RayTraced, ShadowField};
-use halfshade_strategy::{Params, Strategy};
+use halfshade_strategy::Strategy;
 use std::{f64::consts::TAU, sync::Arc};
 
 fn object(mesh: Mesh, pose: Pose) -> Object {
@@ -23,12 +24,7 @@ fn object(mesh: Mesh, pose: Pose) -> Object {
 }
 
 fn shade(strategy: &dyn Strategy, settings: &str, scene: &Scene, receivers: &ReceiverBuffer) -> RadianceBuffer {
-    let params = Params::parse(&strategy.info().parameters, settings).unwrap();
-    let mut baked = strategy.bake(scene, &params, &Silent).unwrap();
-    baked.prepare(&scene.frame(0)).unwrap();
-    let mut out = RadianceBuffer::zeros(receivers.len());
-    baked.shade(receivers.view(), out.view_mut());
-    out
+    shaded(strategy, scene, &scene.frame(0), receivers, settings)
 }
 
 /// What is open of the sky at the foot of a wall of half width `w` and height `h`, at distance `d` in front of its middle: 1

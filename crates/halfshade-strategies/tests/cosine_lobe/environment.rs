@@ -1,5 +1,6 @@
 //! Environments as cosine lobes against closed forms, against the ray-traced truth of the same spheres, and at the extremes.
 
+use crate::common;
 use glam::{Quat, Vec3};
 use halfshade_scene::{
     Environment, Material, Motion, Object, Pose, RadianceBuffer, ReceiverBuffer, Reflectance, Scene, Sphere, SphereSet,
@@ -9,7 +10,6 @@ use halfshade_scene::{
     spheres::AdjustRule,
 };
 use halfshade_strategies::CosineLobe;
-use halfshade_strategy::{Params, Strategy};
 use halfshade_truth::{Geometry, Options, Tracer, Transport, estimate};
 use std::sync::Arc;
 
@@ -32,12 +32,7 @@ fn scene(environment: Environment, spheres: &[Sphere]) -> Scene {
 }
 
 fn shaded(scene: &Scene, settings: &str, receivers: &ReceiverBuffer) -> RadianceBuffer {
-    let params = Params::parse(&CosineLobe.info().parameters, settings).unwrap();
-    let mut baked = CosineLobe.bake(scene, &params, &Silent).unwrap();
-    baked.prepare(&scene.frame(0)).unwrap();
-    let mut out = RadianceBuffer::zeros(receivers.len());
-    baked.shade(receivers.view(), out.view_mut());
-    out
+    common::shaded(&CosineLobe, scene, &scene.frame(0), receivers, settings)
 }
 
 /// A sky, darker towards the ground, a window of 30 by 45 degrees and a lamp of 11 degrees.
@@ -188,18 +183,14 @@ fn a_turned_environment_is_that_of_a_turned_map() {
         scene(Environment::map(map), &blockers())
     };
     let receivers = receivers();
-    let params = Params::parse(&CosineLobe.info().parameters, "").unwrap();
     let turned = at(16);
-    let mut baked = CosineLobe.bake(&turned, &params, &Silent).unwrap();
-    let [mut by_quaternion, mut by_columns] = [(); 2].map(|()| RadianceBuffer::zeros(receivers.len()));
-    baked.prepare(&turned.frame(0)).unwrap();
-    baked.shade(receivers.view(), by_columns.view_mut());
+    let mut baked = common::baked(&CosineLobe, &turned, "");
+    let by_columns = common::shade(baked.as_mut(), &turned.frame(0), &receivers);
     let straight = at(0);
     let mut frame = straight.frame(0);
     // A quarter of the columns: light comes from as many columns to the left.
     frame.world_from_environment = Quat::from_rotation_y(std::f32::consts::FRAC_PI_2);
-    baked.prepare(&frame).unwrap();
-    baked.shade(receivers.view(), by_quaternion.view_mut());
+    let by_quaternion = common::shade(baked.as_mut(), &frame, &receivers);
     for i in 0..receivers.len() {
         let difference = (by_quaternion.at(i) - by_columns.at(i)).abs().max_element();
         assert!(difference < 0.05, "{i}: {} {}", by_quaternion.at(i), by_columns.at(i));

@@ -1,14 +1,15 @@
 //! Cosine lobes against closed forms, against sampling of the light in double precision, and at the extremes.
 
+use crate::common::{self, baked, shade};
 use glam::Vec3;
 use halfshade_scene::{
-    Cache, Environment, Frame, Material, Motion, Object, Pose, RadianceBuffer, ReceiverBuffer, Reflectance, Scene,
-    Sphere, SphereLight, SphereSet,
+    Cache, Environment, Frame, Material, Motion, Object, Pose, ReceiverBuffer, Reflectance, Scene, Sphere, SphereLight,
+    SphereSet,
     builtin::{self, shapes},
     progress::Silent,
 };
 use halfshade_strategies::CosineLobe;
-use halfshade_strategy::{Baked, Params, Strategy};
+use halfshade_strategy::{Detail, Strategy};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
@@ -37,16 +38,15 @@ fn scene(light: SphereLight, spheres: &[Sphere]) -> Scene {
     Scene { lights, ..Scene::at_rest("lobes", objects, Environment::constant(Vec3::ZERO)) }
 }
 
-fn baked(scene: &Scene, settings: &str) -> Box<dyn Baked> {
-    let params = Params::parse(&CosineLobe.info().parameters, settings).unwrap();
-    let mut baked = CosineLobe.bake(scene, &params, &Silent).unwrap();
-    baked.prepare(&scene.frame(0)).unwrap();
-    baked
+/// Figures on a frame after it was shaded.
+fn details(scene: &Scene, settings: &str, receivers: &ReceiverBuffer) -> Vec<Detail> {
+    let mut baked = baked(&CosineLobe, scene, settings);
+    shade(baked.as_mut(), &scene.frame(0), receivers);
+    baked.details()
 }
 
 fn shaded(scene: &Scene, settings: &str, receivers: &ReceiverBuffer) -> Vec<f64> {
-    let mut out = RadianceBuffer::zeros(receivers.len());
-    baked(scene, settings).shade(receivers.view(), out.view_mut());
+    let out = common::shaded(&CosineLobe, scene, &scene.frame(0), receivers, settings);
     (0..receivers.len()).map(|i| f64::from(out.at(i).x)).collect()
 }
 
@@ -245,9 +245,8 @@ fn a_threshold_leaves_out_products_and_changes_no_more_than_it_says() {
             assert!((found[i] - exact[i]).abs() <= allowed.min(0.1 * unblocked[i]), "{threshold}: {i}");
         }
     }
-    let baked = baked(&scene, "threshold=1e-3");
-    baked.shade(receivers.view(), RadianceBuffer::zeros(receivers.len()).view_mut());
-    let left_out = baked.details().into_iter().find(|detail| detail.name.contains("left out")).unwrap();
+    let all = details(&scene, "threshold=1e-3", &receivers);
+    let left_out = all.into_iter().find(|detail| detail.name.contains("left out")).unwrap();
     assert!(left_out.values[0] > 100.0, "{left_out:?}");
 }
 
@@ -258,9 +257,8 @@ fn sharing_finds_fewer_masks_and_errs_by_what_a_blocker_moves() {
     let scene = scene(LIGHT, &[Sphere { center: Vec3::new(0.1, 1.4, 0.0), radius: 0.4 }]);
     let receivers = line(2001, -1.6, 1.6);
     let count = |settings: &str| {
-        let baked = baked(&scene, settings);
-        baked.shade(receivers.view(), RadianceBuffer::zeros(receivers.len()).view_mut());
-        baked.details().into_iter().find(|detail| detail.name.contains("masks")).unwrap().values[0]
+        details(&scene, settings, &receivers).into_iter().find(|detail| detail.name.contains("masks")).unwrap().values
+            [0]
     };
     let (own, own_masks) = (shaded(&scene, "", &receivers), count(""));
     for share in [0.03125, 0.0625, 0.125, 0.25] {
@@ -446,6 +444,6 @@ fn the_ends_of_the_issue_are_finite() {
 #[test]
 fn settings_out_of_range_are_refused() {
     for wrong in ["depth=-1", "depth=7", "share=2", "samples=0", "twice=all"] {
-        assert!(Params::parse(&CosineLobe.info().parameters, wrong).is_err(), "{wrong}");
+        assert!(CosineLobe.info().parse(wrong).is_err(), "{wrong}");
     }
 }

@@ -1,12 +1,13 @@
 //! Holes that alpha masks cut, in strategies that trace rays: against the closed form of what is left.
 
+use crate::common::shaded;
 use glam::{Vec2, Vec3};
 use halfshade_scene::{
-    Environment, Material, Mesh, Motion, Object, Pose, RadianceBuffer, ReceiverBuffer, Scene, Texture, builtin::shapes,
-    mesh::AlphaMask, progress::Silent, texture::Wrap,
+    Environment, Material, Mesh, Motion, Object, Pose, ReceiverBuffer, Scene, Texture, builtin::shapes,
+    mesh::AlphaMask, texture::Wrap,
 };
 use halfshade_strategies::ray_traced::RayTraced;
-use halfshade_strategy::{Params, Strategy};
+use halfshade_strategy::Strategy;
 use std::{f64::consts::PI, sync::Arc};
 
 fn object(mesh: Mesh, pose: Pose) -> Object {
@@ -46,12 +47,8 @@ fn error(strategy: &dyn Strategy, settings: &str, blocker: Mesh) -> f64 {
     let objects = vec![ground, object(blocker, Pose::from_translation(Vec3::Y))];
     let scene = Scene::at_rest("masked", objects, Environment::constant(Vec3::ONE));
     let frame = scene.frame(0);
-    let params = Params::parse(&strategy.info().parameters, settings).unwrap();
-    let mut baked = strategy.bake(&scene, &params, &Silent).unwrap();
-    baked.prepare(&frame).unwrap();
     let receivers = ReceiverBuffer::vertices(&frame);
-    let mut radiance = RadianceBuffer::zeros(receivers.len());
-    baked.shade(receivers.view(), radiance.view_mut());
+    let radiance = shaded(strategy, &scene, &frame, &receivers, settings);
     let count = scene.objects[0].mesh.positions.len();
     let error_at = |i: usize| {
         let place = receivers.view().position_at(i).as_dvec3();

@@ -4,13 +4,13 @@
 //! constant light is 1.64 times the unshadowed radiance. What the variants reach in practice is much closer and stated
 //! below.
 
+use crate::common;
 use glam::Vec3;
 use halfshade_scene::{
     Environment, Material, Mesh, Motion, Object, Pose, RadianceBuffer, ReceiverBuffer, Scene, Sphere, SphereSet,
-    progress::Silent,
 };
 use halfshade_strategies::ShExp;
-use halfshade_strategy::{Baked, Params, Strategy};
+use halfshade_strategy::Baked;
 use std::{f32::consts::FRAC_PI_2, sync::Arc};
 
 const VARIANTS: [&str; 8] = [
@@ -44,15 +44,11 @@ fn scene(environment: Environment, spheres: &[Sphere]) -> Scene {
 
 /// Bakes once: tables don't depend on the scene, whose spheres and light `prepare` takes from the frame.
 fn baked(settings: &str) -> Box<dyn Baked> {
-    let params = Params::parse(&ShExp.info().parameters, settings).unwrap();
-    ShExp.bake(&scene(Environment::constant(Vec3::ONE), &[]), &params, &Silent).unwrap()
+    common::baked(&ShExp, &scene(Environment::constant(Vec3::ONE), &[]), settings)
 }
 
 fn shade(baked: &mut dyn Baked, scene: &Scene, receivers: &ReceiverBuffer) -> RadianceBuffer {
-    baked.prepare(&scene.frame(0)).unwrap();
-    let mut out = RadianceBuffer::zeros(receivers.len());
-    baked.shade(receivers.view(), out.view_mut());
-    out
+    common::shade(baked, &scene.frame(0), receivers)
 }
 
 fn receivers(places: impl IntoIterator<Item = (Vec3, Vec3)>) -> ReceiverBuffer {

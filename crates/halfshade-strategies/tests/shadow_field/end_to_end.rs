@@ -1,12 +1,13 @@
 //! Shadow fields from end to end: against closed forms, against rays, at the extremes, from a damaged cache.
 
+use crate::common;
 use glam::{Quat, Vec3};
 use halfshade_scene::{
-    Cache, Environment, Material, Mesh, Motion, Object, Pose, Progress, RadianceBuffer, ReceiverBuffer, Scene,
-    SphereLight, builtin::shapes, progress::Silent,
+    Cache, Environment, Material, Mesh, Motion, Object, Pose, Progress, ReceiverBuffer, Scene, SphereLight,
+    builtin::shapes,
 };
 use halfshade_strategies::ShadowField;
-use halfshade_strategy::{Baked, Params, Strategy};
+use halfshade_strategy::{Baked, Strategy};
 use std::sync::{Arc, Mutex};
 
 /// Small fields of either basis.
@@ -37,17 +38,12 @@ fn ball_over_plane() -> Scene {
 }
 
 fn baked(scene: &Scene, settings: &str) -> Box<dyn Baked> {
-    let strategy = ShadowField::default();
-    let params = Params::parse(&strategy.info().parameters, settings).unwrap();
-    let mut baked = strategy.bake(scene, &params, &Silent).unwrap();
-    baked.prepare(&scene.frame(0)).unwrap();
-    baked
+    common::baked(&ShadowField::default(), scene, settings)
 }
 
-fn shade(baked: &dyn Baked, receivers: &ReceiverBuffer) -> Vec<f32> {
-    let mut out = RadianceBuffer::zeros(receivers.len());
-    baked.shade(receivers.view(), out.view_mut());
-    out.channels[0].clone()
+fn shade(baked: &mut dyn Baked, scene: &Scene, receivers: &ReceiverBuffer) -> Vec<f32> {
+    let [red, ..] = common::shade(baked, &scene.frame(0), receivers).channels;
+    red
 }
 
 /// The vertices of the first object.
@@ -89,7 +85,7 @@ fn a_ball_shades_a_plane_as_the_closed_form_says() {
         ("basis=haar,shells=32,resolution=32", 5e-3),
         ("basis=haar,shells=32,resolution=32,product=wavelets", 5e-3),
     ] {
-        let off = rms(&shade(baked(&scene, settings).as_ref(), &receivers), &exact);
+        let off = rms(&shade(baked(&scene, settings).as_mut(), &scene, &receivers), &exact);
         assert!(off < bound, "{settings}: {off}");
     }
 }
@@ -101,10 +97,10 @@ fn fields_converge_to_rays() {
     let receivers = first_object(&scene);
     // Down to between one and two thousandths, where cells of the maps begin to show.
     for basis in ["map=96", "basis=haar,face=32,kept=1"] {
-        let rays = shade(baked(&scene, &format!("{basis},sampling=traced")).as_ref(), &receivers);
+        let rays = shade(baked(&scene, &format!("{basis},sampling=traced")).as_mut(), &scene, &receivers);
         let errors = [(4, 0.8), (8, 0.4), (16, 0.2)].map(|(size, spacing)| {
             let fixed = format!("sampling=fixed,storage=f32,shells={size},resolution={size},spacing={spacing}");
-            rms(&shade(baked(&scene, &format!("{basis},{fixed}")).as_ref(), &receivers), &rays)
+            rms(&shade(baked(&scene, &format!("{basis},{fixed}")).as_mut(), &scene, &receivers), &rays)
         });
         assert!(errors[1] < 0.4 * errors[0] && errors[1] < 2e-3 && errors[2] < 2e-3, "{basis}: {errors:?}");
     }
@@ -121,7 +117,7 @@ fn wavelet_products_are_exact() {
     for product in ["texels", "wavelets"] {
         let [one_by_one, together] = ["traced", "together"].map(|sampling| {
             let settings = format!("basis=haar,face=16,kept=1,product={product},sampling={sampling}");
-            shade(baked(&scene, &settings).as_ref(), &receivers)
+            shade(baked(&scene, &settings).as_mut(), &scene, &receivers)
         });
         let off = rms(&one_by_one, &together);
         assert!(off < 1e-5, "{product}: {off}");
@@ -207,8 +203,7 @@ fn every_end_is_finite() {
             let mut baked = baked(&scene, settings.trim_start_matches(','));
             for some in [0, lights.len()] {
                 scene.lights = lights[..some].iter().map(|light| (*light, Motion::Still(Pose::IDENTITY))).collect();
-                baked.prepare(&scene.frame(0)).unwrap();
-                let found = shade(baked.as_ref(), &receivers);
+                let found = shade(baked.as_mut(), &scene, &receivers);
                 assert!(found.iter().all(|value| value.is_finite() && value.abs() < 20.0), "{settings}: {found:?}");
             }
         }
@@ -228,7 +223,7 @@ fn continuous_as_a_receiver_moves() {
         |t| Vec3::new(1.0 + 9.0 * t, 2.5, 0.5),
     ];
     for settings in SMALL {
-        let baked = baked(&scene, settings);
+        let mut baked = baked(&scene, settings);
         for (number, path) in paths.iter().enumerate() {
             let mut receivers = ReceiverBuffer::default();
             for i in 0..=2_000 {
@@ -236,7 +231,7 @@ fn continuous_as_a_receiver_moves() {
             }
             // Numbers past the plane's vertices: nothing of its own is known for sure.
             receivers.index.iter_mut().for_each(|index| *index = u32::MAX);
-            let found = shade(baked.as_ref(), &receivers);
+            let found = shade(baked.as_mut(), &scene, &receivers);
             let step = found.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f32::max);
             assert!(step < 0.03, "{settings}, path {number}: {step}");
         }
@@ -261,12 +256,11 @@ fn a_damaged_cache_is_refused_and_rebuilt() {
     let receivers = first_object(&scene);
     for settings in SMALL {
         let strategy = ShadowField::new(Cache::open(Some(folder.clone())));
-        let params = Params::parse(&strategy.info().parameters, settings).unwrap();
+        let params = strategy.info().parse(settings).unwrap();
         let run = || {
             let notes = Notes::default();
             let mut baked = strategy.bake(&scene, &params, &notes).unwrap();
-            baked.prepare(&scene.frame(0)).unwrap();
-            (shade(baked.as_ref(), &receivers), notes.0.into_inner().unwrap())
+            (shade(baked.as_mut(), &scene, &receivers), notes.0.into_inner().unwrap())
         };
         let (computed, quiet) = run();
         assert_eq!((run().0, quiet), (computed.clone(), vec![]), "{settings}");

@@ -7,7 +7,7 @@ mod gloss;
 mod render;
 mod scenes;
 
-use crate::{Effect, Params, Strategy};
+use crate::{Batching, Effect, Params, Strategy};
 use glam::{DVec3, Quat, Vec3};
 use halfshade_scene::{Environment, Frame, RadianceBuffer, ReceiverBuffer, Sphere, light::Sun};
 use std::f64::consts::{PI, TAU};
@@ -16,7 +16,7 @@ pub use bounds::{Bounds, Violation};
 pub use gloss::gloss_is_modelled_or_refused;
 
 use bounds::{Checked, violation};
-use render::{baked, bounced, lit, prepare, rendered, shade};
+use render::{baked, bounced, frame_of, lit, prepare, rendered, shade};
 
 /// Unshadowed radiance of a white receiver by the midpoint rule over its hemisphere, suns and lamps apart.
 fn unshadowed(frame: &Frame<'_>, position: Vec3, normal: Vec3) -> DVec3 {
@@ -120,13 +120,11 @@ pub fn rotating_everything_changes_nothing(strategy: &dyn Strategy, params: &Par
         let scene = lit(strategy, bounced(strategy, scenes::spheres(environment, &spheres)));
         let frame = scene.frame(0);
         let mut baked = baked(strategy, params, &scene)?;
-        prepare(baked.as_mut(), &frame)?;
-        let straight = shade(baked.as_ref(), &receivers);
+        let straight = frame_of(baked.as_mut(), &frame, &receivers)?;
         let allowed = bounds.rotation * mean_unshadowed(&frame, &receivers);
         for turn in [Quat::from_rotation_y(2.0), Quat::from_axis_angle(Vec3::new(0.6, 0.0, 0.8), 1.1)] {
             let (turned_frame, turned_receivers) = scenes::turned(&frame, &receivers, turn);
-            prepare(baked.as_mut(), &turned_frame)?;
-            let turned = shade(baked.as_ref(), &turned_receivers);
+            let turned = frame_of(baked.as_mut(), &turned_frame, &turned_receivers)?;
             for i in 0..receivers.len() {
                 let error = (turned.at(i) - straight.at(i)).abs().max_element();
                 if error.is_nan() || error > allowed {
@@ -163,20 +161,24 @@ pub fn adding_a_blocker_never_brightens(strategy: &dyn Strategy, params: &Params
     Ok(())
 }
 
-/// However the receivers are split, the bits are the same.
+/// However the receivers are split, the bits are the same; for who takes the whole frame at once, however often it is shaded.
 pub fn splitting_a_batch_changes_no_bit(strategy: &dyn Strategy, params: &Params) -> Checked {
     let scene = lit(strategy, bounced(strategy, scenes::spheres(scenes::sun(), &scenes::crowd(12))));
     let receivers = scenes::receivers(101);
     let mut baked = baked(strategy, params, &scene)?;
-    prepare(baked.as_mut(), &scene.frame(0))?;
-    let whole = shade(baked.as_ref(), &receivers);
-    for size in [1, 3, 7, 8, 9, 16, 64, 100] {
+    let prepared = prepare(baked.as_mut(), &scene.frame(0))?;
+    let whole = shade(prepared.as_ref(), &receivers);
+    let sizes: &[usize] = match prepared.batching() {
+        Batching::AnySplit => &[1, 3, 7, 8, 9, 16, 64, 100],
+        Batching::WholeFrame => &[101, 101],
+    };
+    for &size in sizes {
         let mut parts = RadianceBuffer::zeros(receivers.len());
         let mut rest = parts.view_mut();
         for start in (0..receivers.len()).step_by(size) {
             let end = (start + size).min(receivers.len());
             let (part, after) = rest.split_at(end - start);
-            baked.shade(receivers.view().slice(start..end), part);
+            prepared.shade(receivers.view().slice(start..end), part);
             rest = after;
         }
         for (channel, values) in whole.channels.iter().enumerate() {
@@ -199,16 +201,13 @@ pub fn preparing_twice_equals_once(strategy: &dyn Strategy, params: &Params) -> 
     other.world_from_environment = Quat::from_rotation_x(0.5);
     other.world_from_object.iter_mut().for_each(|pose| pose.translation += Vec3::new(0.3, 0.2, -0.4));
     let mut baked = baked(strategy, params, &scene)?;
-    prepare(baked.as_mut(), &frame)?;
-    let once = shade(baked.as_ref(), &receivers);
-    prepare(baked.as_mut(), &frame)?;
-    if shade(baked.as_ref(), &receivers) != once {
+    let mut shaded = |frame| frame_of(baked.as_mut(), frame, &receivers);
+    let once = shaded(&frame)?;
+    if shaded(&frame)? != once {
         return violation("the same frame prepared twice differs".into());
     }
-    prepare(baked.as_mut(), &other)?;
-    let between = shade(baked.as_ref(), &receivers);
-    prepare(baked.as_mut(), &frame)?;
-    if shade(baked.as_ref(), &receivers) != once {
+    let between = shaded(&other)?;
+    if shaded(&frame)? != once {
         return violation("a frame differs after another one was prepared".into());
     }
     if between == once {
@@ -283,8 +282,8 @@ macro_rules! contract_tests {
 
             fn subject() -> (impl $crate::Strategy, $crate::Params) {
                 let strategy = $strategy;
-                let parameters = $crate::Strategy::info(&strategy).parameters;
-                let params = $crate::Params::parse(&parameters, $settings).expect("the test's own settings are valid");
+                let info = $crate::Strategy::info(&strategy);
+                let params = info.parse($settings).expect("the test's own settings are valid");
                 (strategy, params)
             }
 

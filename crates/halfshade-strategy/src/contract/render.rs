@@ -1,8 +1,8 @@
 //! The phases of a strategy on a scene of the contract.
 
-use super::bounds::{Checked, Violation};
+use super::bounds::Violation;
 use super::scenes;
-use crate::{Baked, Effect, Params, Strategy};
+use crate::{Baked, Effect, Params, Prepared, Strategy};
 use halfshade_scene::{Frame, RadianceBuffer, ReceiverBuffer, Scene, progress::Silent};
 
 pub(super) fn baked(strategy: &dyn Strategy, params: &Params, scene: &Scene) -> Result<Box<dyn Baked>, Violation> {
@@ -21,16 +21,25 @@ pub(super) fn lit(strategy: &dyn Strategy, scene: Scene) -> Scene {
     if strategy.info().effects.contains(Effect::EnvironmentLight) { scene } else { scenes::by_lamps(scene) }
 }
 
-pub(super) fn prepare(baked: &mut dyn Baked, frame: &Frame<'_>) -> Checked {
+pub(super) fn prepare<'a>(baked: &'a mut dyn Baked, frame: &Frame<'_>) -> Result<Box<dyn Prepared + 'a>, Violation> {
     baked.prepare(frame).map_err(|error| Violation(format!("prepare: {error}")))
 }
 
-pub(super) fn shade(baked: &dyn Baked, receivers: &ReceiverBuffer) -> RadianceBuffer {
+pub(super) fn shade(prepared: &dyn Prepared, receivers: &ReceiverBuffer) -> RadianceBuffer {
     // Whoever writes nothing is found out.
     let mut out = RadianceBuffer::zeros(receivers.len());
     out.channels.iter_mut().for_each(|channel| channel.fill(f32::NAN));
-    baked.shade(receivers.view(), out.view_mut());
+    prepared.shade(receivers.view(), out.view_mut());
     out
+}
+
+/// The frame prepared and shaded.
+pub(super) fn frame_of(
+    baked: &mut dyn Baked,
+    frame: &Frame<'_>,
+    receivers: &ReceiverBuffer,
+) -> Result<RadianceBuffer, Violation> {
+    Ok(shade(prepare(baked, frame)?.as_ref(), receivers))
 }
 
 pub(super) fn rendered(
@@ -39,7 +48,5 @@ pub(super) fn rendered(
     scene: &Scene,
     receivers: &ReceiverBuffer,
 ) -> Result<RadianceBuffer, Violation> {
-    let mut baked = baked(strategy, params, scene)?;
-    prepare(baked.as_mut(), &scene.frame(0))?;
-    Ok(shade(baked.as_ref(), receivers))
+    frame_of(baked(strategy, params, scene)?.as_mut(), &scene.frame(0), receivers)
 }

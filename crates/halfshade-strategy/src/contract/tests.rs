@@ -1,7 +1,7 @@
 //! The tests are tested: a strategy that breaks one clause must fail that clause, and an honest one none.
 
 use super::*;
-use crate::{Baked, Effects, Footprint, Info, StrategyError};
+use crate::{Baked, Effects, Footprint, Info, Prepared, StrategyError};
 use glam::Mat3;
 use halfshade_scene::{Progress, RadianceMut, Receivers, Scene, light::DistantLight};
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -17,12 +17,16 @@ enum Fault {
     Remembers,
     NotANumber,
     ClaimsGloss,
+    /// None: it looks at the other receivers, and says so.
+    Filters,
+    /// It looks at the other receivers without saying so.
+    FiltersParts,
 }
 
 /// Light by midpoint rule over a few directions, each blocked if a sphere is in the way.
 struct Toy(Fault);
 
-struct Prepared {
+struct State {
     fault: Fault,
     frames: u32,
     shades: AtomicU32,
@@ -35,21 +39,21 @@ impl Strategy for Toy {
     fn info(&self) -> Info {
         let effects = Effects::of(&[Effect::EnvironmentLight, Effect::ColouredLight, Effect::Motion]);
         let effects = if self.0 == Fault::ClaimsGloss { effects.with(Effect::GlossyReflectance) } else { effects };
-        Info { name: "toy", summary: "", source: "", parameters: Vec::new(), effects }
+        Info { name: "toy", summary: "", source: "", parameters: Vec::new(), presets: &[], effects }
     }
 
     fn bake(&self, _: &Scene, _: &Params, _: &dyn Progress) -> Result<Box<dyn Baked>, StrategyError> {
         let (spheres, light) = (Vec::new(), Vec::new());
-        Ok(Box::new(Prepared { fault: self.0, frames: 0, shades: AtomicU32::new(0), spheres, light, up: Vec3::Y }))
+        Ok(Box::new(State { fault: self.0, frames: 0, shades: AtomicU32::new(0), spheres, light, up: Vec3::Y }))
     }
 }
 
-impl Baked for Prepared {
+impl Baked for State {
     fn footprint(&self) -> Footprint {
         Footprint::default()
     }
 
-    fn prepare(&mut self, frame: &Frame<'_>) -> Result<(), StrategyError> {
+    fn prepare(&mut self, frame: &Frame<'_>) -> Result<Box<dyn Prepared + '_>, StrategyError> {
         self.frames += 1;
         self.spheres = frame.world_from_object[1..].iter().map(|pose| (pose.translation, pose.scale)).collect();
         let turn = Mat3::from_quat(frame.world_from_environment);
@@ -70,7 +74,13 @@ impl Baked for Prepared {
             })
             .chain(environment.sun.map(|sun| (turn * sun.direction, sun.radiance * sun.angular_radius.sin().powi(2))))
             .collect();
-        Ok(())
+        Ok(Box::new(&*self))
+    }
+}
+
+impl Prepared for &State {
+    fn batching(&self) -> Batching {
+        if self.fault == Fault::Filters { Batching::WholeFrame } else { Batching::AnySplit }
     }
 
     fn shade(&self, receivers: Receivers<'_>, mut out: RadianceMut<'_>) {
@@ -100,6 +110,12 @@ impl Baked for Prepared {
             };
             out.set(i, receivers.albedo_at(i) * sum * factor);
         }
+        if matches!(self.fault, Fault::Filters | Fault::FiltersParts) {
+            for channel in out.channels.iter_mut().filter(|channel| channel.len() > 1) {
+                let last = channel[channel.len() - 1];
+                channel[0] = 0.999 * channel[0] + 0.001 * last;
+            }
+        }
     }
 }
 
@@ -124,6 +140,11 @@ fn an_honest_strategy_passes() {
 }
 
 #[test]
+fn who_asks_for_the_whole_frame_may_look_at_neighbours() {
+    assert_eq!(SPLITTING(&Toy(Fault::Filters), &Params::default()), Ok(()));
+}
+
+#[test]
 fn each_fault_is_found() {
     for (fault, clause) in [
         (Fault::Scaled, ANALYTIC),
@@ -132,6 +153,7 @@ fn each_fault_is_found() {
         (Fault::Brightens, BRIGHTENING),
         (Fault::BatchPosition, SPLITTING),
         (Fault::Counts, SPLITTING),
+        (Fault::FiltersParts, SPLITTING),
         (Fault::Remembers, PREPARING),
         (Fault::NotANumber, FINITE),
     ] {

@@ -7,7 +7,7 @@ use crate::{
     terminal,
 };
 use halfshade_scene::builtin::SCENES;
-use halfshade_strategy::{Info, ParameterKind};
+use halfshade_strategy::{Info, ParameterKind, Preset};
 use serde_json::{Value, json};
 use std::process::ExitCode;
 
@@ -39,8 +39,20 @@ fn as_text(info: &Info) -> String {
             parameter.kind.range(),
             parameter.summary
         );
+        if let ParameterKind::Choice { words, .. } = parameter.kind {
+            for word in words {
+                text += &format!("        {}: {}\n", word.name, word.summary);
+            }
+        }
+    }
+    for preset in info.presets {
+        text += &format!("    {}  [preset: {}]  {}\n", preset.name, preset.settings, preset.summary);
     }
     text
+}
+
+fn preset_as_json(preset: &Preset) -> Value {
+    json!({ "name": preset.name, "summary": preset.summary, "settings": preset.settings })
 }
 
 fn as_json(info: &Info) -> Value {
@@ -49,7 +61,11 @@ fn as_json(info: &Info) -> Value {
         .iter()
         .map(|parameter| {
             let (kind, range) = match parameter.kind {
-                ParameterKind::Choice { values, .. } => ("choice", json!({ "values": values })),
+                ParameterKind::Choice { words, .. } => {
+                    let values: Vec<&str> = words.iter().map(|word| word.name).collect();
+                    let summaries: Vec<&str> = words.iter().map(|word| word.summary).collect();
+                    ("choice", json!({ "values": values, "summaries": summaries }))
+                }
                 ParameterKind::Integer { min, max, .. } => ("integer", json!({ "min": min, "max": max })),
                 ParameterKind::Float { min, max, .. } => ("float", json!({ "min": min, "max": max })),
             };
@@ -68,5 +84,6 @@ fn as_json(info: &Info) -> Value {
         "source": info.source,
         "effects": info.effects.iter().map(|effect| effect.name()).collect::<Vec<_>>(),
         "parameters": parameters,
+        "presets": info.presets.iter().map(preset_as_json).collect::<Vec<_>>(),
     })
 }

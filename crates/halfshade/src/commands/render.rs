@@ -46,9 +46,9 @@ pub(super) fn render(context: &Context, arguments: &RenderArguments) -> Result<E
     }
     let failed = |error: halfshade_strategy::StrategyError| Failure::Error(format!("`{}`: {error}", variant.label));
     let mut baked = strategy.bake(&scene, &variant.params, &context.bars).map_err(failed)?;
-    baked.prepare(&frame).map_err(failed)?;
+    let prepared = baked.prepare(&frame).map_err(failed)?;
     let mut radiance = RadianceBuffer::zeros(receivers.len());
-    shade_all(baked.as_ref(), receivers.view(), &mut radiance);
+    shade_all(prepared.as_ref(), receivers.view(), &mut radiance);
     let broken = count_not_finite(&radiance);
     if broken > 0 {
         return Err(Failure::Error(format!("`{}`: {broken} values are not finite", variant.label)));

@@ -13,11 +13,13 @@
 //! [`Walk::Linear`] sorts the spheres once per receiver and keeps a running sum, from which it takes back the intersecting
 //! neighbours: O(n·m) with m neighbours instead of O(n²/2), as chapter 6 hopes for.
 
-use super::{
-    Reflections,
-    covering::{Intersections, Order, Walk},
+use super::Reflections;
+use crate::sh_exp::{
+    blockers::Blocker,
+    prepared::Prepared,
+    settings::{Intersections, Order, Walk},
+    traced::Traced,
 };
-use crate::sh_exp::{blockers::Blocker, prepared::Prepared, traced::Traced};
 use halfshade_sh::kernel::{self, BatchExponential, LANES, ShBatch, times_bands};
 use wide::f32x8;
 

@@ -6,26 +6,21 @@
 //!
 //! The first pass may take in what the last one found: b bounces are b rounds of it, as chapter 7 proposes.
 
-mod covering;
 mod emitters;
 mod gather;
 mod geodesic;
 mod surface;
 
-use super::levels::{Level, Levels};
-use covering::{Intersections, Order, Walk};
+use super::{
+    levels::{Hierarchies, Level},
+    settings::{GroundMode, Intersections, Order, Settings, Walk},
+};
 use emitters::{Emitters, Shape};
 use glam::DQuat;
 use halfshade_scene::{Frame, Object, RadianceBuffer, ReceiverBuffer, Scene, Sphere, light::is_grey};
-use halfshade_sh::{
-    blocker_table::BlockerTable,
-    form_factor::{FormFactorTable, Weighting},
-    kernel::BatchExponential,
-    zonal,
-};
-use halfshade_strategy::Params;
+use halfshade_sh::{blocker_table::BlockerTable, form_factor::FormFactorTable, kernel::BatchExponential, zonal};
 use std::sync::Arc;
-use surface::{Covered, Projection, SphereSurface};
+use surface::{Covered, SphereSurface};
 
 pub(super) use gather::Gather;
 
@@ -72,25 +67,19 @@ impl Reflections {
     /// For `scene` with `bounces` bounces, at least 1.
     pub(super) fn new(
         scene: &Scene,
-        params: &Params,
+        settings: &Settings,
         bounces: usize,
         exponential: BatchExponential,
         table: Arc<BlockerTable>,
-        levels: &mut Levels,
+        levels: &mut Hierarchies,
     ) -> Self {
         let bands = exponential.bands();
-        let intersections = match params.choice("intersections") {
-            "ordered" => Intersections::Ordered,
-            _ => Intersections::Precomputed,
-        };
-        let covered = match intersections {
+        let covered = match settings.intersections {
             Intersections::Precomputed => Covered::Black,
             Intersections::Ordered => Covered::Kept,
         };
-        let projection =
-            if params.choice("projection") == "product" { Projection::Product } else { Projection::Direct };
         // What has no spheres colours the light of those that have, if they see it.
-        let ground_is_seen = params.choice("ground") == "seen";
+        let ground_is_seen = settings.ground == GroundMode::Seen;
         let colourless = scene.objects.iter().all(|object| {
             let textured = object.material.texture.is_some() || !object.mesh.textures.is_empty();
             let grey_surface =
@@ -98,7 +87,7 @@ impl Reflections {
             object.sphere_count == 0 && !ground_is_seen || grey_surface && !textured
         });
         let surface_channels = if colourless { 1 } else { 3 };
-        let geodesic = geodesic::Geodesic::new(bands, params.integer("sample-divisions") as usize);
+        let geodesic = geodesic::Geodesic::new(bands, settings.sample_divisions);
         let (mut surfaces, mut owners, mut neighbours) = (Vec::new(), Vec::new(), Vec::new());
         let mut known: Vec<(&Object, Vec<Arc<SphereSurface>>)> = Vec::new();
         for (number, object) in scene.objects.iter().enumerate() {
@@ -112,7 +101,7 @@ impl Reflections {
                 surfaces.extend(same.iter().cloned());
                 continue;
             }
-            let choices = (projection, covered);
+            let choices = (settings.projection, covered);
             let of_level =
                 |level: &Level| surface::surfaces(object, &level.spheres, bands, surface_channels, &geodesic, choices);
             let own: Vec<_> = levels.iter().flat_map(of_level).map(Arc::new).collect();
@@ -123,22 +112,19 @@ impl Reflections {
         Self {
             bounces,
             bands,
-            radiance_coefficients: match params.integer("radiance-bands") {
+            radiance_coefficients: match settings.radiance_bands {
                 0 => bands * bands,
-                radiance_bands => (radiance_bands * radiance_bands) as usize,
+                radiance_bands => radiance_bands * radiance_bands,
             },
             surface_channels,
             channels: surface_channels,
             exponential,
             table,
-            form: FormFactorTable::build(match params.choice("form-factor") {
-                "cosine" => Weighting::Cosine,
-                _ => Weighting::SolidAngle,
-            }),
+            form: FormFactorTable::build(settings.form_factor.into()),
             cosine,
-            walk: if params.choice("walk") == "quadratic" { Walk::Quadratic } else { Walk::Linear },
-            order: if params.choice("order") == "center" { Order::Center } else { Order::Power },
-            intersections,
+            walk: settings.walk,
+            order: settings.order,
+            intersections: settings.intersections,
             surfaces,
             owners,
             neighbours,
@@ -177,7 +163,7 @@ impl Reflections {
     }
 
     /// Whether `frame` is of the scene that this was made for, as far as its objects' spheres tell.
-    pub(super) fn fits(&self, frame: &Frame<'_>, levels: &mut Levels) -> bool {
+    pub(super) fn fits(&self, frame: &Frame<'_>, levels: &mut Hierarchies) -> bool {
         let mut owners = Vec::with_capacity(self.owners.len());
         for (number, object) in frame.scene.objects.iter().enumerate() {
             let levels = levels.of(object);

@@ -19,20 +19,14 @@
 //! crossing counts whoever it belongs to, and who covers whom is left to the second pass.
 
 use super::geodesic::Geodesic;
-use crate::sh_exp::crossings::{Crossing, Crossings};
+use crate::sh_exp::{
+    crossings::{Crossing, Crossings},
+    settings::Projection,
+};
 use glam::{DVec3, Vec3};
 use halfshade_scene::{Object, Sphere};
 use halfshade_sh::product::product;
 use rayon::prelude::*;
-
-/// How light at sample points and colour become a radiance vector.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Projection {
-    /// An SH product [Guerrero2007, eq. 4.20].
-    Product,
-    /// Their product, projected.
-    Direct,
-}
 
 /// What a sphere shows where another covers it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -4,17 +4,9 @@ use super::{projection::HaarBasis, rows::Rows, shell::HaarShell, turn::Turn};
 use crate::shadow_field::{
     arrangement::Arrangement,
     baking::{KnownMeshes, Source},
+    settings::Product,
 };
 use halfshade_scene::Environment;
-
-/// How visibilities are multiplied.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Product {
-    /// Texel by texel.
-    Texels,
-    /// The triple product of wavelets.
-    Wavelets,
-}
 
 /// Fields of the scene, light and places of the frame.
 pub(super) struct HaarFields {

@@ -78,7 +78,7 @@ impl Cap {
 
 #[cfg(test)]
 mod tests {
-    use super::{super::rows::Coding, *};
+    use super::{super::super::settings::Coding, *};
 
     #[test]
     fn caps_have_their_solid_angle_and_their_axis() {

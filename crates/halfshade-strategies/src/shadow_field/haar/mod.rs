@@ -18,14 +18,15 @@ use super::{
     baking::{Baking, MeshRays},
     details::{details, footprint},
     field::{Field, Projected},
+    settings::Settings,
     vertices::own_blocked,
 };
-use fields::{HaarFields, Product};
+use fields::HaarFields;
 use halfshade_scene::{Frame, Mesh, Progress, RadianceMut, Receivers, Scene};
-use halfshade_strategy::{Baked, Detail, Footprint, Params, StrategyError};
+use halfshade_strategy::{Baked, Detail, Footprint, Prepared, StrategyError};
 use projection::HaarBasis;
 use rayon::prelude::*;
-use rows::{Coding, Rows};
+use rows::Rows;
 use shell::HaarShell;
 use sparse::Sparse;
 use sum::Sum;
@@ -35,11 +36,11 @@ use turn::Turn;
 pub(super) fn bake(
     baking: &Baking<'_>,
     scene: &Scene,
-    params: &Params,
+    settings: &Settings,
     progress: &dyn Progress,
 ) -> Result<Box<dyn Baked>, StrategyError> {
-    let (face, kept) = ((params.integer("face") as usize).next_power_of_two(), params.float("kept"));
-    let coding = if params.choice("coding") == "tree" { Coding::Tree } else { Coding::Listed };
+    let (face, kept) = (settings.face.next_power_of_two(), settings.kept);
+    let coding = settings.coding;
     let basis = HaarBasis::new(face, kept, coding);
     let key = |kind, mesh: &Mesh| baking.key(kind, mesh).value(&(face, kept, coding, baking.storage));
     let field = |of: &MeshRays<'_>, ball| {
@@ -65,7 +66,7 @@ pub(super) fn bake(
     Ok(Box::new(HaarFields {
         source: baking.source,
         basis,
-        product: if params.choice("product") == "wavelets" { Product::Wavelets } else { Product::Texels },
+        product: settings.product,
         directions,
         known,
         light: Default::default(),
@@ -90,7 +91,7 @@ impl Baked for HaarFields {
         details(&self.basis, &self.arrangement, &self.known, read)
     }
 
-    fn prepare(&mut self, frame: &Frame<'_>) -> Result<(), StrategyError> {
+    fn prepare(&mut self, frame: &Frame<'_>) -> Result<Box<dyn Prepared + '_>, StrategyError> {
         self.arrangement.prepare(frame)?;
         let environment = &frame.scene.environment;
         if !self.known_light.as_ref().is_some_and(|known| known.is_same_as(environment)) {
@@ -99,9 +100,11 @@ impl Baked for HaarFields {
         }
         let places = &self.arrangement.places;
         self.turns = places.par_iter().map(|place| Turn::new(&self.basis, place.rotation())).collect();
-        Ok(())
+        Ok(Box::new(&*self))
     }
+}
 
+impl Prepared for &HaarFields {
     fn shade(&self, receivers: Receivers<'_>, out: RadianceMut<'_>) {
         shade::shade(self, receivers, out);
     }

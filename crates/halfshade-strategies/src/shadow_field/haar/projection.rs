@@ -2,9 +2,9 @@
 
 use super::{
     super::basis::Basis,
-    rows::Coding,
     sparse::{Sparse, forward, inverse},
 };
+use crate::shadow_field::settings::Coding;
 use glam::Vec3;
 use halfshade_sh::haar::cube::Cube;
 use std::f64::consts::PI;

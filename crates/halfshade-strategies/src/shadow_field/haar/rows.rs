@@ -3,19 +3,13 @@
 //! A row starts with the faces that it has anything on, as bits. Then follow values and where they belong, in either
 //! [`Coding`].
 
-use super::{super::basis::Storage, sparse::Sparse, sum::Sum};
+use super::{
+    super::{basis::Storage, settings::Coding},
+    sparse::Sparse,
+    sum::Sum,
+};
 use halfshade_sh::haar::cube::Cube;
 use serde::{Deserialize, Serialize};
-
-/// How a row tells which coefficients it has.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) enum Coding {
-    /// Each by its number, of two bytes, as [Tamura2006, 5.2] lists them.
-    Listed,
-    /// By the tree of squares, as wavelets are significant where their parents are [Shapiro1993]: per square a byte with
-    /// bits for its three wavelets, then for its four quarters, and for the face's mean.
-    Tree,
-}
 
 /// Vectors: place and value of every coefficient.
 #[derive(Debug, Serialize, Deserialize)]

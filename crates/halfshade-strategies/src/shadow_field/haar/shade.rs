@@ -1,7 +1,7 @@
 //! Shading as in [Tamura2006, figure 3], one receiver after another, over the texels of a cube.
 
 use super::{
-    fields::{HaarFields, Product},
+    fields::HaarFields,
     light::Cap,
     projection::HaarBasis,
     sparse::{forward, inverse},
@@ -10,6 +10,7 @@ use super::{
 use crate::shadow_field::{
     arrangement::{LightSeen, LocalLight},
     baking::Source,
+    settings::Product,
     traced::{self, Point},
 };
 use glam::Vec3;

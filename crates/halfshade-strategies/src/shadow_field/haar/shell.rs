@@ -3,10 +3,11 @@
 use super::{
     super::{basis::Storage, shell::Shell, shells::Grid},
     projection::HaarBasis,
-    rows::{Coding, Rows},
+    rows::Rows,
     sparse::Sparse,
     sum::Sum,
 };
+use crate::shadow_field::settings::Coding;
 use halfshade_sh::haar::cube::Cube;
 use serde::{Deserialize, Serialize};
 

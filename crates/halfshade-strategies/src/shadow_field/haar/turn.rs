@@ -61,7 +61,7 @@ impl Turn {
 
 #[cfg(test)]
 mod tests {
-    use super::{super::rows::Coding, *};
+    use super::{super::super::settings::Coding, *};
     use glam::{Mat3, Vec3};
 
     #[test]

@@ -11,6 +11,7 @@ use super::{
     baking::{Baking, MeshRays, Source},
     details::{details, footprint},
     field::{Field, Projected},
+    settings::{OwnOcclusion, Settings},
     vertices::{OwnRays, own_blocked, own_vectors},
 };
 use fields::{OwnKind, ShFields};
@@ -22,7 +23,7 @@ use halfshade_sh::{
     rotation::ShRotation,
     zonal,
 };
-use halfshade_strategy::{Baked, Detail, Footprint, Params, StrategyError};
+use halfshade_strategy::{Baked, Detail, Footprint, Prepared, StrategyError};
 use projection::ShBasis;
 use shell::MOST;
 use std::f32::consts::FRAC_1_PI;
@@ -37,20 +38,23 @@ pub(super) fn basis(bands: usize, side: usize) -> ShBasis {
 pub(super) fn bake(
     baking: &Baking<'_>,
     scene: &Scene,
-    params: &Params,
+    settings: &Settings,
     progress: &dyn Progress,
 ) -> Result<Box<dyn Baked>, StrategyError> {
-    let bands = params.integer("bands") as usize;
+    let bands = settings.bands;
     let table = BlockerTable::build(bands, Quantity::BlockerMinusOne)
         .ok_or_else(|| StrategyError::Failed(format!("{bands} bands: there are kernels for 1 to 8")))?;
-    let own_kind = if params.choice("own") == "projected" { OwnKind::Transfer } else { OwnKind::Blocked };
+    let own_kind = match settings.own {
+        OwnOcclusion::Projected => OwnKind::Transfer,
+        OwnOcclusion::Product => OwnKind::Blocked,
+    };
     if scene.is_glossy() && (own_kind == OwnKind::Transfer || baking.source == Source::Together) {
         let problem = "own=projected and sampling=together hold the diffuse cosine; glossy reflectance needs others";
         return Err(StrategyError::Unsupported(problem.into()));
     }
     let are_values = |values: &[f32], count| values.len() == count && values.iter().all(|value| value.is_finite());
-    let map = params.integer("map");
-    let basis = ShBasis::new(bands, map as usize);
+    let map = settings.map;
+    let basis = ShBasis::new(bands, map);
     let key = |kind, mesh: &Mesh| baking.key(kind, mesh).value(&(bands, map));
     let field = |of: &MeshRays<'_>, ball| {
         // As projected, so that another threshold needs no rays.
@@ -141,7 +145,7 @@ impl Baked for ShFields {
         })
     }
 
-    fn prepare(&mut self, frame: &Frame<'_>) -> Result<(), StrategyError> {
+    fn prepare(&mut self, frame: &Frame<'_>) -> Result<Box<dyn Prepared + '_>, StrategyError> {
         self.arrangement.prepare(frame)?;
         let environment = &frame.scene.environment;
         if !self.known_light.as_ref().is_some_and(|known| known.is_same_as(environment)) {
@@ -150,9 +154,11 @@ impl Baked for ShFields {
         }
         let rotations = self.arrangement.places.iter().map(|place| light_from_object(self.bands, place.rotation()));
         self.rotations = rotations.collect();
-        Ok(())
+        Ok(Box::new(&*self))
     }
+}
 
+impl Prepared for &ShFields {
     fn shade(&self, receivers: Receivers<'_>, out: RadianceMut<'_>) {
         // `bake` made sure that there is a kernel for this number of bands.
         let _: Option<()> = dispatch_bands!(self.bands, N => shade::shade::<N>(self, receivers, out));

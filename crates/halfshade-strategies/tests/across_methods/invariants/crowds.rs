@@ -1,6 +1,6 @@
 //! Many objects in one place: products of many stay within what one of them could leave.
 
-use super::scenes::{Variant, at, ball, fields_and_lobes, lamp, object, shade, shiny, some_vertices};
+use super::scenes::{Variant, at, ball, fields_and_lobes, lamp, object, shiny, some_vertices};
 use glam::Vec3;
 use halfshade_scene::{Environment, Mesh, Object, RadianceBuffer, ReceiverBuffer, Scene, builtin::shapes};
 use halfshade_strategies::ShadowField;
@@ -72,7 +72,7 @@ fn a_crowd_under_a_lamp_is_bounded() {
             if is_shiny {
                 scene.objects.iter_mut().for_each(shiny);
             }
-            let found = shade(variant.baked(&scene).as_ref(), &some_vertices(&scene, 1));
+            let found = variant.shade(&scene, &some_vertices(&scene, 1));
             let [least, most] = bounds(&found);
             // The lobe is .15 (e + 2)/(2π) high, and at most 1 of U's norm squared is its integral.
             let gloss = if is_shiny { 0.15 * 8.0 / TAU * (TAU / 7.0).sqrt() } else { 0.0 };

@@ -1,6 +1,6 @@
 //! Receivers within a lamp, which see it all around.
 
-use super::scenes::{Variant, apart, at, ball, lamp, object, shade, shiny, some_vertices, still_life, variants};
+use super::scenes::{Variant, apart, at, ball, lamp, object, shiny, some_vertices, still_life, variants};
 use glam::Vec3;
 use halfshade_scene::{Environment, RadianceBuffer, ReceiverBuffer, Scene, builtin::shapes, progress::Silent};
 use halfshade_strategy::Effect;
@@ -101,7 +101,7 @@ fn the_way_into_a_lamp_is_continuous() {
     }
     let exact = truth(&scene, &receivers, 256);
     for variant in lamp_strategies().filter(|variant| variant.noise == 0.0) {
-        let found = shade(variant.baked(&scene).as_ref(), &receivers);
+        let found = variant.shade(&scene, &receivers);
         let step = found.channels[0].windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f32::max);
         // A published light has a lobe of 4 % too much from outside.
         let published = variant.settings.contains("published");

@@ -1,6 +1,7 @@
 //! Work that only one of many needs is done for that one.
 
-use super::scenes::{Variant, apart, at, lamp, lights, models, shade, shiny, some_vertices, still_life, variants};
+use super::scenes::{Variant, apart, at, lamp, lights, models, shiny, some_vertices, still_life, variants};
+use crate::common::shade;
 use glam::Vec3;
 use halfshade_scene::{Environment, Motion, RadianceBuffer, ReceiverBuffer, Scene, Texture};
 use halfshade_strategy::Effect;
@@ -43,10 +44,7 @@ fn one_glossy_object_among_many() {
     let (none, all) = (shines(&|_| false), shines(&|_| true));
     for variant in glossy().filter(|variant| models(variant, &scene)) {
         let mut baked = variant.baked(&all);
-        let mut shade_in = |scene: &Scene| {
-            baked.prepare(&scene.frame(0)).unwrap();
-            shade(baked.as_ref(), &receivers)
-        };
+        let mut shade_in = |scene: &Scene| shade(baked.as_mut(), &scene.frame(0), &receivers);
         let [none, all] = [&none, &all].map(&mut shade_in);
         for number in 0..scene.objects.len() {
             let place = format!("{}, object {number}", variant.name());
@@ -80,10 +78,7 @@ fn one_coloured_lamp_among_grey_ones() {
         let with_lamps: Vec<_> = if is_shiny { glossy().collect() } else { exact().collect() };
         for variant in with_lamps.iter().filter(|variant| variant.models(Effect::LocalLights)) {
             let mut baked = variant.baked(&scene);
-            let mut shade_with = |lights| {
-                baked.prepare(&with(lights).frame(0)).unwrap();
-                shade(baked.as_ref(), &receivers)
-            };
+            let mut shade_with = |lights| shade(baked.as_mut(), &with(lights).frame(0), &receivers);
             let together = shade_with(lamps.to_vec());
             let mut sum = RadianceBuffer::zeros(receivers.len());
             for lamp in &lamps {
@@ -172,8 +167,9 @@ fn one_moving_object() {
         let receivers = some_vertices(&scene, 23);
         for variant in variants.iter().filter(|variant| models(variant, &scene)) {
             let mut baked = variant.baked(&moving);
-            baked.prepare(&moving.frame(1)).unwrap();
-            let found = shade(baked.as_ref(), &receivers);
+            // From another frame to this one: nothing of the other may stay.
+            shade(baked.as_mut(), &moving.frame(0), &receivers);
+            let found = shade(baked.as_mut(), &moving.frame(1), &receivers);
             assert_same(&found, &variant.shade_lit(&scene, &receivers), &format!("{} under {light}", variant.name()));
         }
     }

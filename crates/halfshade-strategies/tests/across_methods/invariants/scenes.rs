@@ -1,15 +1,15 @@
 //! Strategies, lights and a scene that all tests share.
 
+use crate::common::{baked, shade};
 use glam::{Quat, Vec3};
 use halfshade_scene::{
     Camera, Environment, Material, Mesh, Motion, Object, Pose, RadianceBuffer, ReceiverBuffer, Reflectance, Scene,
     Sphere, SphereLight, SphereSet,
     builtin::shapes,
     light::{DistantLight, EnvironmentMap, Sun},
-    progress::Silent,
 };
 use halfshade_strategies::{CosineLobe, RayTraced, ShExp, ShadowField, Unshadowed};
-use halfshade_strategy::{Baked, Effect, Params, Strategy};
+use halfshade_strategy::{Baked, Effect, Strategy};
 use std::{cell::RefCell, sync::Arc};
 
 /// A strategy with its settings.
@@ -37,29 +37,19 @@ impl Variant {
 
     /// Baked for a scene, whatever was baked before.
     pub(super) fn baked(&self, scene: &Scene) -> Box<dyn Baked> {
-        let params = Params::parse(&self.strategy.info().parameters, self.settings).unwrap();
-        let mut baked = self.strategy.bake(scene, &params, &Silent).unwrap();
-        baked.prepare(&scene.frame(0)).unwrap();
-        baked
+        baked(self.strategy.as_ref(), scene, self.settings)
     }
 
     pub(super) fn shade(&self, scene: &Scene, receivers: &ReceiverBuffer) -> RadianceBuffer {
-        shade(self.baked(scene).as_ref(), receivers)
+        shade(self.baked(scene).as_mut(), &scene.frame(0), receivers)
     }
 
-    /// Of the objects of [`still_life`] in other light or places: baked once.
+    /// The objects of [`still_life`] in other light or places: baked once.
     pub(super) fn shade_lit(&self, scene: &Scene, receivers: &ReceiverBuffer) -> RadianceBuffer {
         let mut known = self.known.borrow_mut();
         let baked = known.get_or_insert_with(|| self.baked(&still_life()));
-        baked.prepare(&scene.frame(0)).unwrap();
-        shade(baked.as_ref(), receivers)
+        shade(baked.as_mut(), &scene.frame(0), receivers)
     }
-}
-
-pub(super) fn shade(baked: &dyn Baked, receivers: &ReceiverBuffer) -> RadianceBuffer {
-    let mut out = RadianceBuffer::zeros(receivers.len());
-    baked.shade(receivers.view(), out.view_mut());
-    out
 }
 
 pub(super) fn variants() -> Vec<Variant> {

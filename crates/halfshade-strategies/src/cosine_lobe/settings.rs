@@ -1,0 +1,150 @@
+//! Everything that can be set.
+
+use super::mask::MAX_DEPTH;
+use crate::shared::adjustment::Rule;
+use halfshade_sh::lobe::{CapFit, ProductRule};
+use halfshade_strategy::{Preset, choice, settings};
+use std::hint::black_box;
+
+choice! {
+    /// Which two of reflectance, light and visibility are multiplied first.
+    pub(super) enum Order {
+        /// light and visibility, exactly: the leaves are parts of the light
+        LightFirst = "light-first",
+        /// reflectance and light, as lobes [Meunier2009, 5.4]
+        Published = "published",
+    }
+}
+
+choice! {
+    /// What becomes of cells of the last level that no sphere covers wholly.
+    pub(super) enum Leaves {
+        /// ignored
+        Aggressive = "aggressive",
+        /// kept as if they were covered
+        Conservative = "conservative",
+        /// kept by the fraction that is covered
+        Fraction = "fraction",
+    }
+}
+
+choice! {
+    /// How lobes that overlap are weighted.
+    pub(super) enum Weights {
+        /// by least squares, so that what one blocker hides of a light is nearest to the truth
+        Fitted = "fitted",
+        /// so that a level's leaves together hide the whole light
+        Umbra = "umbra",
+        /// not: lobes have the solid angle of their leaves
+        SolidAngle = "solid-angle",
+    }
+}
+
+choice! {
+    /// The lobe for a light or a bounding sphere.
+    pub(super) enum Fit for CapFit {
+        /// scale 1, exponent by least squares [Meunier2009, eq. 31-34]
+        LeastSquares = "least-squares",
+        /// exponent and scale by least squares
+        LeastSquaresScaled = "least-squares-scaled",
+        /// scale 1, exponent by solid angle
+        SolidAngle = "solid-angle",
+        /// exponent by least squares, scale by solid angle
+        ScaledSolidAngle = "scaled-solid-angle",
+    }
+}
+
+choice! {
+    /// How a product of two lobes becomes a lobe.
+    pub(super) enum Product for ProductRule {
+        /// axis at the peak, exponent and scale by least squares [Meunier2009, eq. 15-19]
+        Published = "published",
+        /// axis and exponent as published, scale by the integral
+        IntegralPreserving = "integral-preserving",
+        /// by the product's integral and mean vector
+        Moments = "moments",
+    }
+}
+
+choice! {
+    /// How sums of lobes are integrated.
+    pub(super) enum Integration {
+        /// by products
+        Analytic = "analytic",
+        /// by sampling the lobes, for comparison
+        Sampled = "sampled",
+    }
+}
+
+choice! {
+    /// A part of the work for one receiver and light, in the order of [Meunier2009, table 1].
+    pub(super) enum Stage {
+        /// none
+        Nothing = "nothing",
+        /// lobes of the reflectance
+        Reflectance = "reflectance",
+        /// the light, and what of it is reflected unblocked
+        Light = "light",
+        /// spheres in the way, and which cells they cover
+        Mask = "mask",
+        /// lobes of the covered cells
+        MaskLobes = "mask-lobes",
+        /// integrals of their products
+        Integrals = "integrals",
+    }
+}
+
+settings! {
+    /// All parameters.
+    pub(super) struct Settings {
+        /// what is multiplied first
+        "order" => order: Order = Order::LightFirst;
+        /// levels of the mask's quad-tree below its root; 0 is the root alone
+        "depth" => depth: usize = 5, in 0..=MAX_DEPTH;
+        /// partly covered cells of the last level
+        "leaves" => leaves: Leaves = Leaves::Fraction;
+        /// for order=published: how lobes that overlap are weighted
+        "weights" => weights: Weights = Weights::Fitted;
+        /// for order=published: lobes for lights and bounding spheres
+        "fit" => fit: Fit = Fit::ScaledSolidAngle;
+        /// how a product of two lobes becomes a lobe
+        "product" => product: Product = Product::Moments;
+        /// how sums of lobes are integrated
+        "integration" => integration: Integration = Integration::Analytic;
+        /// for integration=sampled: directions per integral
+        "samples" => samples: usize = 64, in 1..=65_536;
+        /// a part of the work that is done twice: by how much that takes longer is its share of the time
+        "twice" => twice: Stage = Stage::Nothing;
+        /// spheres that cut the tangent plane
+        "rule" => rule: Rule = Rule::Continuous;
+        /// products below this fraction of the unblocked light's are left out; 0 leaves out none
+        "threshold" => threshold: f32 = 1e-4, in 0.0..=1.0;
+        /// side of the cubes of space whose receivers share masks, in radii of the light, or in diameters of a ball around
+        /// all spheres if that is less; 0 shares none
+        "share" => share: f32 = 0.0, in 0.0..=1.0;
+        /// small bright parts of an environment map that become lights of their own, at most
+        "env-lamps" => environment_lamps: usize = 2, in 0..=8;
+        /// lobes fitted to an environment map, beside a constant
+        "env-lobes" => environment_lobes: usize = 16, in 0..=64;
+        /// cells along each side of a hemisphere that blockers cover, as a power of 2
+        "env-depth" => environment_depth: usize = 5, in 3..=6;
+    }
+}
+
+/// Values under one name.
+pub(super) const PRESETS: &[Preset] = &[Preset {
+    name: "as-published",
+    summary: "[Meunier2009]: reflectance times light first, partly covered leaves ignored, lobes and products by least squares",
+    settings: "order=published,leaves=aggressive,fit=least-squares,product=published",
+}];
+
+impl Settings {
+    /// One stage of the work, as often as is asked for. Its result is the same.
+    #[inline(always)]
+    pub(super) fn stage<T>(&self, stage: Stage, mut work: impl FnMut() -> T) -> T {
+        if self.twice == stage {
+            black_box(work());
+        }
+        work()
+    }
+}

@@ -1,0 +1,16 @@
+//! The parameter `rule`: what becomes of spheres that cut a receiver's tangent plane.
+
+use halfshade_scene::spheres::AdjustRule;
+use halfshade_strategy::choice;
+
+choice! {
+    /// What becomes of spheres that cut a receiver's tangent plane.
+    pub(crate) enum Rule for AdjustRule {
+        /// one formula before and behind the plane
+        Continuous = "continuous",
+        /// they cover what is under them
+        Covering = "covering",
+        /// scaled only where their centre is behind the plane, which jumps
+        Published = "published",
+    }
+}
