@@ -62,43 +62,18 @@
 //! 6 bands on (limit 1, a bunny of 64 spheres under a constant sky against the same spheres: 0.028 at 4 bands, 0.052 at 6,
 //! 0.098 at 8); with 8/bands² it falls: 0.026, 0.020, 0.019.
 
-mod blockers;
-mod clusters;
-mod crossings;
-mod cuts;
-mod directions;
-mod exposed;
-mod ground;
-mod levels;
-mod light_product;
-mod moment;
-mod prepared;
-mod reflections;
+mod bake;
+mod kernel;
+mod prepare;
 mod settings;
 mod shade;
-mod sun_product;
-mod traced;
 
-use cuts::{CutOf, CutSettings, Cuts};
-use ground::Ground;
-use halfshade_scene::{
-    Frame, Progress, RadianceBuffer, RadianceMut, ReceiverBuffer, Receivers, Scene, light::OctahedralGrid,
-};
-use halfshade_sh::{
-    blocker_table::{BlockerTable, Quantity},
-    dispatch_bands,
-    kernel::BatchExponential,
-};
-use halfshade_strategy::{
-    Baked, Effect, Effects, Footprint, Info, Params, Prepared as PreparedFrame, Strategy, StrategyError,
-};
-use levels::Hierarchies;
-use light_product::LightProduct;
-use moment::Moment;
-use prepared::{Combination, Prepared};
-use reflections::Reflections;
-use settings::{ExponentialForm, GroundMode, Levels, PRESETS, Ratios, Settings};
-use std::sync::Arc;
+use bake::Tables;
+use halfshade_scene::{Frame, Progress, Scene, light::OctahedralGrid};
+use halfshade_strategy::{Baked, Effect, Effects, Footprint, Info, Params, Prepared, Strategy, StrategyError};
+use prepare::{frame::FrameData, ground::GroundView, light::FrameLight};
+use settings::{PRESETS, Settings};
+use shade::Shader;
 
 /// The strategy.
 #[derive(Debug, Clone, Copy, Default)]
@@ -106,12 +81,6 @@ pub struct ShExp;
 
 const NO_LOCAL_LIGHTS: &str =
     "local lights: the spherical harmonics of an infinitely distant light don't describe a light at a finite distance";
-
-const NO_REFLECTING_TREES: &str =
-    "reflections from a cut through the tree: covering between spheres is baked for spheres of one level";
-
-/// Sample points per unit of parallel work.
-const SAMPLE_POINT_CHUNK: usize = 256;
 
 impl Strategy for ShExp {
     fn info(&self) -> Info {
@@ -136,167 +105,41 @@ impl Strategy for ShExp {
             return Err(StrategyError::Unsupported(NO_LOCAL_LIGHTS.into()));
         }
         let settings = Settings::read(params);
-        let bands = settings.bands;
-        progress.start("tables of blockers and light", 2);
-        let unsupported = || StrategyError::Failed(format!("{bands} bands: there are kernels for 1 to 8"));
-        let build = |quantity| BlockerTable::build(bands, quantity).map(Arc::new).ok_or_else(unsupported);
-        let exponential =
-            |form, limit| BatchExponential::new(&settings.exponential(form, limit)).ok_or_else(unsupported);
-        let logarithm = Quantity::Logarithm { clip: settings.clip };
-        let quantity = settings.combination.exponential().map_or(Quantity::BlockerMinusOne, |_| logarithm);
-        let combination = match settings.combination {
-            settings::Combination::Product => Combination::Product,
-            settings::Combination::Shares => Combination::Shares { points: settings.points },
-            settings::Combination::Traced => Combination::Traced { directions: settings.directions },
-            settings::Combination::Series
-            | settings::Combination::OptimalLinear
-            | settings::Combination::Hybrid
-            | settings::Combination::Quadratic => {
-                let form = settings.combination.exponential().unwrap_or(ExponentialForm::Hybrid);
-                Combination::Exponential(exponential(form, settings.magnitude_limit)?)
-            }
-        };
-        let table = build(quantity)?;
-        let branching = (settings.levels != Levels::Leaves).then_some(settings.branching);
-        let mut hierarchies = Hierarchies::new(scene, settings.overlap, branching);
-        let bounces = scene.bounces.min(settings.bounces);
-        let reflections = match bounces {
-            0 => None,
-            _ if settings.levels == Levels::Tree => {
-                return Err(StrategyError::Unsupported(NO_REFLECTING_TREES.into()));
-            }
-            _ => {
-                let exponential = exponential(settings.reflection_form, settings.reflection_limit)?;
-                let table = if quantity == logarithm { table.clone() } else { build(logarithm)? };
-                Some(Reflections::new(scene, &settings, bounces, exponential, table, &mut hierarchies))
-            }
-        };
-        progress.advance(1);
-        let light =
-            LightProduct::new(bands, &scene.environment, OctahedralGrid::new(settings.normals), settings.window.into());
-        progress.advance(1);
-        Ok(Box::new(Prepared {
-            bands,
-            rule: settings.rule.into(),
-            clamp: settings.clamp.is_on(),
-            table,
-            combination,
-            light,
-            levels: hierarchies,
-            clusters: if settings.levels == Levels::Leaves { Vec::new() } else { clusters::clusters(scene) },
-            cut_settings: CutSettings {
-                choice: settings.levels,
-                threshold_sine: settings.cut_angle.to_radians().sin(),
-                ratios: settings.ratios != Ratios::Off,
-                reflection_ratios: settings.ratios == Ratios::On,
-                bands,
-            },
-            cuts: Cuts::default(),
-            reflections,
-            ground: (settings.ground == GroundMode::Seen)
-                .then(|| Ground::new(scene, bands, settings.ground_directions))
-                .flatten(),
-            moment: None,
-        }))
+        let tables = Tables::new(scene, &settings, progress)?;
+        let grid = OctahedralGrid::new(settings.normals);
+        let light = FrameLight::new(settings.bands, &scene.environment, grid, settings.window.into());
+        Ok(Box::new(BakedScene { tables, data: FrameData::new(light) }))
     }
 }
 
-impl Baked for Prepared {
+/// Tables of the scene, and data of the last frame.
+#[derive(Debug)]
+struct BakedScene {
+    tables: Tables,
+    data: FrameData,
+}
+
+impl Baked for BakedScene {
     fn footprint(&self) -> Footprint {
+        let Self { tables, data } = self;
+        let reflections = tables.reflections.as_ref().map(|tables| tables.bytes() + data.radiance.bytes());
         Footprint {
             parts: vec![
-                ("blockers by angular radius", self.table.bytes()),
-                ("light by normal", self.light.bytes()),
-                ("spheres", self.cuts.bytes() + self.levels.bytes()),
-                ("reflections", self.reflections.as_ref().map_or(0, Reflections::bytes)),
-                ("ground", self.ground.as_ref().map_or(0, Ground::bytes)),
+                ("blockers by angular radius", tables.blockers.bytes()),
+                ("light by normal", data.light.by_normal.bytes()),
+                ("spheres", data.cuts.bytes() + tables.hierarchies.bytes()),
+                ("reflections", reflections.unwrap_or(0)),
+                ("ground", data.ground.as_ref().map_or(0, GroundView::bytes)),
             ],
         }
     }
 
-    fn prepare(&mut self, frame: &Frame<'_>) -> Result<Box<dyn PreparedFrame + '_>, StrategyError> {
+    fn prepare(&mut self, frame: &Frame<'_>) -> Result<Box<dyn Prepared + '_>, StrategyError> {
         if !frame.lights.is_empty() {
             return Err(StrategyError::Unsupported(NO_LOCAL_LIGHTS.into()));
         }
-        if self.moment.as_ref().is_some_and(|moment| moment.is(frame)) {
-            return Ok(Box::new(&*self));
-        }
-        self.moment = None;
-        self.light.set(&frame.scene.environment);
-        let logs = match self.combination {
-            Combination::Exponential(_) => Some(&*self.table),
-            Combination::Product | Combination::Shares { .. } | Combination::Traced { .. } => None,
-        };
-        self.cuts = Cuts::new(frame, &mut self.levels, &self.clusters, logs, &self.cut_settings)?;
-        if let Some(reflections) = &self.reflections
-            && !reflections.fits(frame, &mut self.levels)
-        {
-            return Err(StrategyError::Failed("the frame is of another scene than reflections were baked for".into()));
-        }
-        if let Some(ground) = &mut self.ground {
-            let rotation = frame.world_from_environment.as_dquat().normalize().conjugate();
-            ground.look(frame, rotation, self.cuts.center);
-        }
-        self.reflect(frame);
-        self.moment = Some(Moment::of(frame));
-        Ok(Box::new(&*self))
-    }
-}
-
-impl PreparedFrame for &Prepared {
-    fn shade(&self, receivers: Receivers<'_>, out: RadianceMut<'_>) {
-        self.shade_by(receivers, CutOf::Cluster, out);
-    }
-}
-
-impl Prepared {
-    /// The first pass: as many rounds as there are bounces, each lit by the spheres of the one before.
-    fn reflect(&mut self, frame: &Frame<'_>) {
-        let Some(reflections) = &mut self.reflections else { return };
-        reflections.begin(frame, self.light.is_grey());
-        let (points, bounces) = (std::mem::take(&mut reflections.points), reflections.bounces);
-        let on_ground = self.ground.as_mut().map_or_else(ReceiverBuffer::default, |g| std::mem::take(&mut g.points));
-        let mut light = RadianceBuffer::zeros(points.receivers.len());
-        let mut from_ground = RadianceBuffer::zeros(on_ground.len());
-        for _ in 0..bounces {
-            self.shade_points(points.receivers.view(), Some(&points.emitters), light.view_mut());
-            self.shade_points(on_ground.view(), None, from_ground.view_mut());
-            if let Some(ground) = &mut self.ground {
-                ground.shine(&from_ground);
-            }
-            if let Some(reflections) = &mut self.reflections {
-                reflections.shine(frame, &light, &self.cuts.turns);
-            }
-        }
-        if let Some(reflections) = &mut self.reflections {
-            reflections.points = points;
-        }
-        if let Some(ground) = &mut self.ground {
-            ground.points = on_ground;
-        }
-        if self.cut_settings.reflection_ratios && self.cuts.is_coarse() {
-            let mut cuts = std::mem::take(&mut self.cuts);
-            let _: Option<()> = dispatch_bands!(self.bands, N => shade::scale_reflections::<N>(self, &mut cuts));
-            self.cuts = cuts;
-        }
-    }
-
-    /// Shades sample points, in parallel; those of spheres by `emitters`.
-    fn shade_points(&self, receivers: Receivers<'_>, emitters: Option<&[u32]>, out: RadianceMut<'_>) {
-        let count = receivers.len();
-        if count <= SAMPLE_POINT_CHUNK {
-            return self.shade_by(receivers, emitters.map_or(CutOf::Cluster, CutOf::Emitter), out);
-        }
-        let middle = count / 2;
-        let (left, right) = out.split_at(middle);
-        rayon::join(
-            || self.shade_points(receivers.slice(0..middle), emitters.map(|of| &of[..middle]), left),
-            || self.shade_points(receivers.slice(middle..count), emitters.map(|of| &of[middle..]), right),
-        );
-    }
-
-    fn shade_by(&self, receivers: Receivers<'_>, whose: CutOf<'_>, out: RadianceMut<'_>) {
-        // `bake` made sure that there is a kernel for this number of bands.
-        let _: Option<()> = dispatch_bands!(self.bands, N => shade::shade::<N>(self, receivers, whose, out));
+        let Self { tables, data } = self;
+        prepare::prepare(tables, data, frame)?;
+        Ok(Box::new(Shader { tables, data }))
     }
 }

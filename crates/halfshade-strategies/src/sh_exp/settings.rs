@@ -10,7 +10,7 @@ use halfshade_strategy::{Preset, choice, settings};
 
 choice! {
     /// How blockers combine.
-    pub(super) enum Combination {
+    pub(crate) enum Combination {
         /// one after another [Guerrero2007, eq. 4.6]
         Product = "product",
         /// exponential of summed logarithms, by its power series
@@ -30,7 +30,7 @@ choice! {
 
 choice! {
     /// How the exponential of summed logarithms is found.
-    pub(super) enum ExponentialForm {
+    pub(crate) enum ExponentialForm {
         /// by its power series
         Series = "series",
         /// by the optimal linear form
@@ -44,7 +44,7 @@ choice! {
 
 choice! {
     /// Where squarings of the exponential begin.
-    pub(super) enum Squaring {
+    pub(crate) enum Squaring {
         /// blended from one count of squarings to the next
         Continuous = "continuous",
         /// one more at each power of two of the limit
@@ -54,7 +54,7 @@ choice! {
 
 choice! {
     /// A feature that is on or off.
-    pub(super) enum Switch {
+    pub(crate) enum Switch {
         /// not done
         Off = "off",
         /// done
@@ -64,7 +64,7 @@ choice! {
 
 choice! {
     /// The window against ringing.
-    pub(super) enum Window for window::Window {
+    pub(crate) enum Window for window::Window {
         /// none
         None = "none",
         /// (1 + cos(π l/n))/2
@@ -76,7 +76,7 @@ choice! {
 
 choice! {
     /// What spheres of one object count for that cover each other.
-    pub(super) enum Overlap {
+    pub(crate) enum Overlap {
         /// each in full: a direction behind k spheres is blocked k times [Guerrero2007, eq. 4.7]
         Independent = "independent",
         /// each by the share of the silhouette that is its own: about once
@@ -86,7 +86,7 @@ choice! {
 
 choice! {
     /// Which spheres of a hierarchy are taken.
-    pub(super) enum Levels {
+    pub(crate) enum Levels {
         /// the leaves, everywhere
         Leaves = "leaves",
         /// one level of each object per receiver cluster [Guerrero2007, 4.2]
@@ -98,7 +98,7 @@ choice! {
 
 choice! {
     /// Whether coarse spheres are scaled to what finer ones give at the centre of a receiver cluster.
-    pub(super) enum Ratios {
+    pub(crate) enum Ratios {
         /// in shadows alone [Guerrero2007, eq. 4.9]
         Shadows = "shadows",
         /// also what they reflect, by eq. 4.34 upside down: as printed it leads away from the finer ones
@@ -110,7 +110,7 @@ choice! {
 
 choice! {
     /// Spheres of one object that intersect, in reflections.
-    pub(super) enum Intersections {
+    pub(crate) enum Intersections {
         /// they don't cover each other, their colours know who covers whom [Guerrero2007, 4.3.3]
         Precomputed = "precomputed",
         /// the nearer one covers the other
@@ -120,7 +120,7 @@ choice! {
 
 choice! {
     /// The order in which spheres cover each other.
-    pub(super) enum Order {
+    pub(crate) enum Order {
         /// by the distance of their centres [Guerrero2007, 4.3.3]
         Center = "center",
         /// by power distance d² - r²: their radical planes cut intersecting spheres apart
@@ -130,7 +130,7 @@ choice! {
 
 choice! {
     /// How sums over nearer spheres are found.
-    pub(super) enum Walk {
+    pub(crate) enum Walk {
         /// from a running sum
         Linear = "linear",
         /// one by one
@@ -140,7 +140,7 @@ choice! {
 
 choice! {
     /// How light at sample points and colour become a radiance vector.
-    pub(super) enum Projection {
+    pub(crate) enum Projection {
         /// their product, projected
         Direct = "direct",
         /// an SH product [Guerrero2007, eq. 4.20]
@@ -150,7 +150,7 @@ choice! {
 
 choice! {
     /// The weight of a receiver's directions in the average over a sphere.
-    pub(super) enum FormFactor for form_factor::Weighting {
+    pub(crate) enum FormFactor for form_factor::Weighting {
         /// the cosine on the sphere's surface [Guerrero2007, eq. 4.24]
         Cosine = "cosine",
         /// the solid angle at the receiver
@@ -160,7 +160,7 @@ choice! {
 
 choice! {
     /// What becomes of objects without spheres.
-    pub(super) enum GroundMode {
+    pub(crate) enum GroundMode {
         /// ignored by all others
         Ignored = "ignored",
         /// seen by all others, to block and to reflect
@@ -170,7 +170,7 @@ choice! {
 
 settings! {
     /// All parameters: of shadows, of the sphere hierarchy, of reflections.
-    pub(super) struct Settings {
+    pub(crate) struct Settings {
         /// how blockers combine
         "exp" => combination: Combination = Combination::Hybrid;
         /// bands of visibility
@@ -235,35 +235,22 @@ settings! {
 }
 
 /// Values under one name.
-pub(super) const PRESETS: &[Preset] = &[Preset {
+pub(crate) const PRESETS: &[Preset] = &[Preset {
     name: "as-published",
     summary: "[Guerrero2007, 4]: clusters with one level of each object, intersections precomputed, every nearer sphere summed",
     settings: "rule=published,squaring=published,magnitude-limit=4.8,levels=cluster,ratios=on,reflection-limit=4.8,\
                intersections=precomputed,order=center,walk=quadratic,projection=product,form-factor=cosine",
 }];
 
-impl Combination {
-    /// The form of the exponential, for combinations that have one.
-    pub(super) const fn exponential(self) -> Option<ExponentialForm> {
-        match self {
-            Self::Series => Some(ExponentialForm::Series),
-            Self::OptimalLinear => Some(ExponentialForm::OptimalLinear),
-            Self::Hybrid => Some(ExponentialForm::Hybrid),
-            Self::Quadratic => Some(ExponentialForm::Quadratic),
-            Self::Product | Self::Shares | Self::Traced => None,
-        }
-    }
-}
-
 impl Switch {
-    pub(super) fn is_on(self) -> bool {
+    pub(crate) fn is_on(self) -> bool {
         self == Self::On
     }
 }
 
 impl Settings {
     /// The exponential of shadows or of reflections; a `limit` of 0 asks for the form's own.
-    pub(super) fn exponential(&self, form: ExponentialForm, limit: f64) -> Exponential {
+    pub(crate) fn exponential(&self, form: ExponentialForm, limit: f64) -> Exponential {
         let limit = if limit == 0.0 { form.default_magnitude_limit(self.bands) } else { limit };
         let method = match form {
             ExponentialForm::Series => {

@@ -1,38 +1,56 @@
-//! The spheres that block, and what eight receivers at once see of each ([Guerrero2007, 4.2]).
+//! The spheres that block, and the view of eight receivers at once on each ([Guerrero2007, 4.2]).
 
 use crate::shared::{tangent_plane::OverPlane, vector::dot};
 use halfshade_scene::spheres::AdjustRule;
-use halfshade_sh::kernel::MAX_BANDS;
+use halfshade_sh::{blocker_table::BlockerTable, kernel::MAX_BANDS};
 use wide::f32x8;
 
 /// Factors that change nothing.
-pub(super) const UNSCALED: [f32; MAX_BANDS] = [1.0; MAX_BANDS];
+pub(crate) const UNSCALED: [f32; MAX_BANDS] = [1.0; MAX_BANDS];
 
 /// One sphere in light space.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Blocker {
-    pub(super) center: [f32; 3],
-    pub(super) radius: f32,
+pub(crate) struct Blocker {
+    pub(crate) center: [f32; 3],
+    pub(crate) radius: f32,
     /// How much of each band of its logarithm counts: shares of overlapping spheres, ratios of parents to children.
-    pub(super) factors: [f32; MAX_BANDS],
+    pub(crate) factors: [f32; MAX_BANDS],
     /// Its number among the spheres of all levels.
-    pub(super) emitter: u32,
-    /// What its reflected light is multiplied with: the ratio of a parent to its children.
-    pub(super) reflection_factor: f32,
+    pub(crate) emitter: u32,
+    /// Factor of its reflected light: the ratio of a parent to its children.
+    pub(crate) reflection_factor: f32,
 }
 
-/// What eight receivers see of one sphere after the rules of [`halfshade_scene::spheres::adjust`].
-pub(super) struct Seen {
+/// The spheres that receivers see, and how they are looked at.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Blockers<'a> {
+    pub(crate) list: &'a [Blocker],
+    /// Zonal vectors of blockers by angular radius: logarithms, or blockers less one.
+    pub(crate) table: &'a BlockerTable,
+    /// Treatment of spheres that cut a receiver's tangent plane.
+    pub(crate) rule: AdjustRule,
+}
+
+/// Eight receivers in light space.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Receivers8 {
+    pub(crate) position: [f32x8; 3],
+    /// Unit.
+    pub(crate) normal: [f32x8; 3],
+}
+
+/// The view of eight receivers on one sphere after the rules of [`halfshade_scene::spheres::adjust`].
+pub(crate) struct Seen {
     /// Unit direction to the adjusted sphere's centre.
-    pub(super) direction: [f32x8; 3],
+    pub(crate) direction: [f32x8; 3],
     /// Squared sine of its angular radius; exactly 0 where the sphere has no influence.
-    pub(super) sin_squared: f32x8,
+    pub(crate) sin_squared: f32x8,
 }
 
 impl Blocker {
     /// `zonal` times this sphere's factors.
     #[inline(always)]
-    pub(super) fn times_factors(&self, zonal: [f32x8; MAX_BANDS]) -> [f32x8; MAX_BANDS] {
+    pub(crate) fn times_factors(&self, zonal: [f32x8; MAX_BANDS]) -> [f32x8; MAX_BANDS] {
         if self.factors == UNSCALED {
             // Most spheres are: eight comparisons at once are cheaper than the products.
             return zonal;
@@ -42,10 +60,11 @@ impl Blocker {
         scaled
     }
 
-    /// What receivers at `position` with unit `normal` see, or `None` if none of the eight sees anything, in which case
-    /// every lane's `sin_squared` would be 0.
+    /// The view of `receivers`; `None` if none of the eight sees anything, in which case every lane's `sin_squared` would
+    /// be 0.
     #[inline(always)]
-    pub(super) fn seen_from(&self, position: &[f32x8; 3], normal: &[f32x8; 3], rule: AdjustRule) -> Option<Seen> {
+    pub(crate) fn seen_from(&self, receivers: &Receivers8, rule: AdjustRule) -> Option<Seen> {
+        let Receivers8 { position, normal } = receivers;
         let radius = f32x8::splat(self.radius);
         let offset: [f32x8; 3] = std::array::from_fn(|axis| f32x8::splat(self.center[axis]) - position[axis]);
         let over = OverPlane::new(offset, radius, *normal);
@@ -74,7 +93,7 @@ mod tests {
                     let position = [f32x8::ZERO, f32x8::splat(radius * distance * sign), f32x8::ZERO];
                     let normal = [f32x8::ZERO, f32x8::ONE, f32x8::ZERO];
                     for rule in [AdjustRule::Continuous, AdjustRule::Covering, AdjustRule::Published] {
-                        if let Some(seen) = blocker.seen_from(&position, &normal, rule) {
+                        if let Some(seen) = blocker.seen_from(&Receivers8 { position, normal }, rule) {
                             assert!(seen.direction.iter().all(|c| c.to_array()[0].is_finite()));
                             assert!((0.0..=1.0).contains(&seen.sin_squared.to_array()[0]));
                         }

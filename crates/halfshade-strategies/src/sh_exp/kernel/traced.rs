@@ -11,16 +11,14 @@
 //!
 //! with ρ̂_n the clamped cosine over π in as many bands, and w = 4π over the number of directions.
 
-use super::{
-    blockers::{Blocker, Seen},
-    directions::{even_directions, weighted},
-    prepared::Prepared,
-};
+use super::{Blockers, Receivers8, blocker::Seen};
+use crate::shared::vector::dot;
+use glam::DVec3;
 use halfshade_sh::kernel::{self, ShBatch};
 use wide::f32x8;
 
 /// Directions, and memory for one batch of receivers.
-pub(super) struct Traced<const N: usize> {
+pub(crate) struct Traced<const N: usize> {
     /// Unit, in light space, with the basis there times w.
     directions: Vec<([f32; 3], [f32; N])>,
     /// What the receivers see, with the cosine of its angular radius; above 1 in a lane that doesn't see it.
@@ -29,9 +27,9 @@ pub(super) struct Traced<const N: usize> {
 }
 
 impl<const N: usize> Traced<N> {
-    /// So many directions; `spheres` are seen at most.
-    pub(super) fn new(count: usize, spheres: usize) -> Self {
-        let directions = weighted(N.isqrt(), even_directions(count))
+    /// `directions` are unit vectors with the basis there times their solid angle; `spheres` are seen at most.
+    pub(crate) fn new(directions: &[(DVec3, Vec<f32>)], spheres: usize) -> Self {
+        let directions = (directions.iter())
             .map(|(direction, values)| (direction.as_vec3().to_array(), std::array::from_fn(|i| values[i])))
             .collect();
         Self { directions, seen: Vec::with_capacity(spheres), parts: Vec::with_capacity(spheres) }
@@ -39,21 +37,14 @@ impl<const N: usize> Traced<N> {
 
     /// Looks at every sphere; returns V.
     #[inline(never)]
-    pub(super) fn visibility(
-        &mut self,
-        prepared: &Prepared,
-        blockers: &[Blocker],
-        position: &[f32x8; 3],
-        normal: &[f32x8; 3],
-    ) -> ShBatch<N> {
+    pub(crate) fn visibility(&mut self, blockers: &Blockers<'_>, receivers: &Receivers8) -> ShBatch<N> {
         self.seen.clear();
-        self.seen.extend(blockers.iter().filter_map(|blocker| blocker.seen_from(position, normal, prepared.rule)).map(
-            |seen| {
-                let cosine = (f32x8::ONE - seen.sin_squared).fast_max(f32x8::ZERO).sqrt();
-                let limit = seen.sin_squared.simd_gt(f32x8::ZERO).select(cosine, f32x8::splat(2.0));
-                (seen, limit)
-            },
-        ));
+        let seen = blockers.list.iter().filter_map(|blocker| blocker.seen_from(receivers, blockers.rule));
+        self.seen.extend(seen.map(|seen| {
+            let cosine = (f32x8::ONE - seen.sin_squared).fast_max(f32x8::ZERO).sqrt();
+            let limit = seen.sin_squared.simd_gt(f32x8::ZERO).select(cosine, f32x8::splat(2.0));
+            (seen, limit)
+        }));
         let mut visibility = [f32x8::ZERO; N];
         visibility[0] = f32x8::splat(kernel::FULL);
         for (direction, values) in &self.directions {
@@ -68,7 +59,7 @@ impl<const N: usize> Traced<N> {
 
     /// Ṽ of every sphere that [`Self::visibility`] has looked at, in its order; `key` says which is nearer.
     #[inline(never)]
-    pub(super) fn parts(&mut self, key: impl Fn(usize) -> f32x8, brdf: &ShBatch<N>) -> &[f32x8] {
+    pub(crate) fn parts(&mut self, key: impl Fn(usize) -> f32x8, brdf: &ShBatch<N>) -> &[f32x8] {
         self.parts.clear();
         self.parts.resize(self.seen.len(), f32x8::ZERO);
         for (direction, values) in &self.directions {
@@ -94,7 +85,6 @@ impl<const N: usize> Traced<N> {
 /// Where a sphere is seen along a direction.
 #[inline(always)]
 fn holds((seen, limit): &(Seen, f32x8), direction: &[f32; 3]) -> f32x8 {
-    let [x, y, z] = direction.map(f32x8::splat);
-    let cosine = x.mul_add(seen.direction[0], y.mul_add(seen.direction[1], z * seen.direction[2]));
+    let cosine = dot(&direction.map(f32x8::splat), &seen.direction);
     cosine.simd_ge(*limit)
 }

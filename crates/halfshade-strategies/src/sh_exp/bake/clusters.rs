@@ -14,10 +14,10 @@ const MOST_CLUSTERS: usize = 256;
 
 /// A cluster of an object's receivers, in the object's space.
 #[derive(Debug, Clone)]
-pub(super) struct ReceiverCluster {
-    pub(super) bound: Sphere,
+pub(crate) struct ReceiverCluster {
+    pub(crate) bound: Sphere,
     /// Unit mean of its receivers' normals; any if they cancel.
-    pub(super) normal: DVec3,
+    pub(crate) normal: DVec3,
     /// Its vertices, if they move within the object.
     members: Vec<u32>,
 }
@@ -35,7 +35,7 @@ impl ReceiverCluster {
 
 /// The clusters of one object's receivers.
 #[derive(Debug)]
-pub(super) struct ObjectClusters {
+pub(crate) struct ObjectClusters {
     mesh: Arc<Mesh>,
     /// The cluster of each vertex.
     of_vertex: Vec<u32>,
@@ -44,19 +44,19 @@ pub(super) struct ObjectClusters {
 
 impl ObjectClusters {
     /// All of them, with their vertices where they are now.
-    pub(super) fn followed(&self, deformed: Option<&Deformed>) -> impl Iterator<Item = ReceiverCluster> {
+    pub(crate) fn followed(&self, deformed: Option<&Deformed>) -> impl Iterator<Item = ReceiverCluster> {
         self.clusters.iter().map(move |cluster| cluster.followed(deformed))
     }
 
     /// The cluster of a point of the surface, which is that of the vertex with the largest weight; `None` elsewhere.
-    pub(super) fn of(&self, surface: SurfacePoint) -> Option<u32> {
+    pub(crate) fn of(&self, surface: SurfacePoint) -> Option<u32> {
         let vertex = surface.weights(&self.mesh)?.nearest();
         self.of_vertex.get(vertex).copied()
     }
 }
 
 /// The receiver clusters of every object.
-pub(super) fn clusters(scene: &Scene) -> Vec<Arc<ObjectClusters>> {
+pub(crate) fn clusters(scene: &Scene) -> Vec<Arc<ObjectClusters>> {
     let sizes: Vec<Option<f64>> = (scene.objects.iter().zip(scene.frame(0).world_from_object))
         .map(|(object, pose)| size(object, &pose))
         .collect();

@@ -18,19 +18,14 @@
 //! doesn't see itself or its like, which is right for a plane; of such an object that deforms the mesh at rest is seen. A
 //! sun below the ground still shines on objects.
 
-use super::{
-    crossings::{Crossing, Crossings},
-    directions::{even_directions, weighted},
+use crate::sh_exp::{
+    bake::{crossings::Crossing, directions::weighted, ground::GroundTables},
+    kernel::ground::GroundField,
 };
 use glam::{DQuat, DVec3, Vec3};
-use halfshade_scene::{Frame, RadianceBuffer, ReceiverBuffer, Scene, light::DistantLight, mesh};
-use halfshade_sh::{
-    basis,
-    kernel::{self, ShBatch},
-    lat_long, zonal,
-};
+use halfshade_scene::{Frame, RadianceBuffer, ReceiverBuffer, light::DistantLight, mesh};
+use halfshade_sh::{basis, lat_long};
 use rayon::prelude::*;
-use wide::f32x8;
 
 /// How far from the middle of an object's box the places around it are, in half extents.
 const AROUND: f64 = 0.6;
@@ -41,27 +36,25 @@ const PLACES: usize = 7;
 /// Bands in which the light that the ground takes away is known.
 const ENVIRONMENT_BANDS: usize = 6;
 
-/// What objects with spheres see of the others.
-#[derive(Debug)]
-pub(super) struct Ground {
-    bands: usize,
-    /// Unit directions in the space of the first object without spheres: they turn with the scene.
-    even: Vec<DVec3>,
+/// The view of objects with spheres on the others in the last frame.
+#[derive(Debug, Default)]
+pub(crate) struct GroundView {
     directions: Directions,
-    /// What light of the environment, without its sun, along the directions was found from.
+    /// The environment whose light along the directions is known, without its sun.
     environment: Option<DistantLight>,
-    /// Objects without spheres, and their surfaces.
-    others: Vec<(usize, Crossings)>,
-    /// Clamped cosine over π by band, times the rotation's factor: ρ_n.
-    cosine: Vec<f32>,
-    /// Per object; none where it has no spheres, or sees nothing.
-    fields: Vec<Option<Field>>,
-    /// The same of a black ground: what it takes away.
-    taken: Vec<Option<Field>>,
     /// Points that were met.
-    pub(super) points: ReceiverBuffer,
-    /// Of each point: object, place and direction.
+    pub(crate) points: ReceiverBuffer,
+    /// Object, place and direction from which each point was met.
     met: Vec<[u32; 3]>,
+    pub(crate) fields: GroundFields,
+}
+
+/// The fields that shading reads, per object; none where it has no spheres, or sees nothing.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct GroundFields {
+    pub(crate) seen: Vec<Option<GroundField>>,
+    /// The same of a black ground: the light that it takes away.
+    pub(crate) taken: Vec<Option<GroundField>>,
 }
 
 /// Directions in light space.
@@ -75,56 +68,16 @@ struct Directions {
     light: Vec<Vec3>,
 }
 
-/// What is seen around an object, as an affine function of the place.
-#[derive(Debug, Clone)]
-struct Field {
-    /// In light space, as the blockers are.
-    center: [f32; 3],
-    /// Gradients of the places' three coordinates, which are ±1 at the places around the middle.
-    axes: [[f32; 3]; 3],
-    /// G at the middle and its change along each axis, per channel.
-    coefficients: [[Vec<f32>; 3]; 4],
-}
-
-impl Ground {
-    /// For the objects of `scene` without spheres, looking into so many `directions`; `None` if there are none.
-    ///
-    /// Half of a sphere in 128 directions is known to 0.025 of a constant sky's light on any receiver, in 1024 to 0.006.
-    pub(super) fn new(scene: &Scene, bands: usize, directions: usize) -> Option<Self> {
-        let without = |(_, object): &(usize, &halfshade_scene::Object)| {
-            object.sphere_count == 0 && !object.mesh.triangles.is_empty()
-        };
-        let others: Vec<_> = (scene.objects.iter().enumerate().filter(without))
-            .map(|(number, object)| (number, Crossings::new(&object.mesh)))
-            .collect();
-        if others.is_empty() {
-            return None;
-        }
-        let cosine = zonal::reflectance(bands).into_iter().map(|value| value as f32).collect();
-        Some(Self {
-            bands,
-            even: even_directions(directions).collect(),
-            directions: Directions::default(),
-            environment: None,
-            others,
-            cosine,
-            fields: Vec::new(),
-            taken: Vec::new(),
-            points: ReceiverBuffer::default(),
-            met: Vec::new(),
-        })
-    }
-
-    /// Looks around all objects with spheres; what is met is black. `rotation` and `center` lead into light space.
-    pub(super) fn look(&mut self, frame: &Frame<'_>, rotation: DQuat, center: DVec3) {
-        let space = self
-            .others
-            .first()
+impl GroundView {
+    /// Looks around all objects with spheres; what is met is black. `center` is the origin of light space.
+    pub(crate) fn look(&mut self, tables: &GroundTables, frame: &Frame<'_>, center: DVec3) {
+        let rotation = frame.world_from_environment.as_dquat().normalize().conjugate();
+        let space = (tables.objects.first())
             .map_or(DQuat::IDENTITY, |(object, _)| frame.world_from_object[*object].rotation.as_dquat().normalize());
-        self.turn(rotation * space);
+        self.turn(tables, rotation * space);
         self.know(&frame.scene.environment.base);
         let scene = frame.scene;
-        self.fields = vec![None; scene.objects.len()];
+        self.fields.seen = vec![None; scene.objects.len()];
         let seen: Vec<_> = (0..scene.objects.len())
             .into_par_iter()
             .filter(|&object| scene.objects[object].sphere_count > 0)
@@ -135,7 +88,7 @@ impl Ground {
                         None => DVec3::ZERO,
                         Some(k) => axes[k / 2] * if k % 2 == 0 { 1.0 } else { -1.0 },
                     };
-                    self.met_from(frame, middle + offset, rotation)
+                    self.met_from(tables, frame, middle + offset, rotation)
                 });
                 Some((object, middle, axes, places.collect::<Vec<_>>()))
             })
@@ -152,21 +105,21 @@ impl Ground {
                 }
             }
             let light_from_world = |v: DVec3| (rotation * v).as_vec3().to_array();
-            self.fields[object] = Some(Field {
+            self.fields.seen[object] = Some(GroundField {
                 center: light_from_world(middle - center),
                 axes: axes.map(|axis| light_from_world(axis / axis.length_squared())),
-                coefficients: std::array::from_fn(|_| std::array::from_fn(|_| vec![0.0; self.bands * self.bands])),
+                coefficients: std::array::from_fn(|_| std::array::from_fn(|_| vec![0.0; tables.bands * tables.bands])),
             });
         }
         let black = RadianceBuffer::zeros(self.points.len());
-        self.shine(&black);
-        self.taken.clone_from(&self.fields);
+        self.shine(tables, &black);
+        self.fields.taken.clone_from(&self.fields.seen);
     }
 
     /// Lets the points that were met radiate.
-    pub(super) fn shine(&mut self, radiance: &RadianceBuffer) {
-        let count = self.bands * self.bands;
-        let mut of_places = vec![[0.0_f32; 3]; self.fields.len() * PLACES * count];
+    pub(crate) fn shine(&mut self, tables: &GroundTables, radiance: &RadianceBuffer) {
+        let count = tables.bands * tables.bands;
+        let mut of_places = vec![[0.0_f32; 3]; self.fields.seen.len() * PLACES * count];
         for (point, &[object, place, direction]) in self.met.iter().enumerate() {
             let instead = radiance.at(point) - self.directions.light[direction as usize];
             let first = (object as usize * PLACES + place as usize) * count;
@@ -176,7 +129,7 @@ impl Ground {
                 (0..3).for_each(|channel| sum[channel] += instead[channel] * value);
             }
         }
-        for (object, field) in self.fields.iter_mut().enumerate() {
+        for (object, field) in self.fields.seen.iter_mut().enumerate() {
             let Some(field) = field else { continue };
             let at = |place: usize, i: usize, channel: usize| of_places[(object * PLACES + place) * count + i][channel];
             for channel in 0..3 {
@@ -193,67 +146,17 @@ impl Ground {
         }
     }
 
-    /// What eight white receivers on `object` get of it, at `position` in light space with unit `normal`.
-    #[inline(always)]
-    pub(super) fn radiance<const N: usize>(
-        &self,
-        object: u32,
-        position: &[f32x8; 3],
-        normal: &[f32x8; 3],
-        visibility: &ShBatch<N>,
-    ) -> [f32x8; 3] {
-        self.of_fields(&self.fields, object, position, normal, visibility)
-    }
-
-    /// The part of [`Self::radiance`] that the ground takes away of the environment's light, below 0 but for ringing.
-    #[inline(always)]
-    pub(super) fn taken<const N: usize>(
-        &self,
-        object: u32,
-        position: &[f32x8; 3],
-        normal: &[f32x8; 3],
-        visibility: &ShBatch<N>,
-    ) -> [f32x8; 3] {
-        self.of_fields(&self.taken, object, position, normal, visibility)
-    }
-
-    #[inline(always)]
-    fn of_fields<const N: usize>(
-        &self,
-        fields: &[Option<Field>],
-        object: u32,
-        position: &[f32x8; 3],
-        normal: &[f32x8; 3],
-        visibility: &ShBatch<N>,
-    ) -> [f32x8; 3] {
-        let Some(field) = fields.get(object as usize).and_then(Option::as_ref) else { return [f32x8::ZERO; 3] };
-        let cosine = kernel::times_bands(&kernel::basis::<f32x8, N>(*normal), &self.cosine);
-        let weights = kernel::product(&cosine, visibility);
-        let offset: [f32x8; 3] = std::array::from_fn(|k| position[k] - f32x8::splat(field.center[k]));
-        let along = field.axes.map(|axis| {
-            let [x, y, z] = axis.map(f32x8::splat);
-            x.mul_add(offset[0], y.mul_add(offset[1], z * offset[2]))
-        });
-        std::array::from_fn(|channel| {
-            let part = |k: usize| {
-                let coefficients = &field.coefficients[k][channel];
-                let pairs = weights.iter().zip(coefficients);
-                pairs.fold(f32x8::ZERO, |sum, (weight, &value)| weight.mul_add(f32x8::splat(value), sum))
-            };
-            let changes = along[0].mul_add(part(1), along[1].mul_add(part(2), along[2] * part(3)));
-            part(0) + changes
-        })
-    }
-
-    pub(super) fn bytes(&self) -> usize {
-        let field = 12 * self.bands * self.bands * size_of::<f32>();
-        2 * self.fields.iter().flatten().count() * field + size_of_val(self.met.as_slice())
+    pub(crate) fn bytes(&self) -> usize {
+        let coefficients = |field: &GroundField| field.coefficients.iter().flatten().map(Vec::len).sum::<usize>();
+        let fields = self.fields.seen.iter().chain(&self.fields.taken).flatten();
+        fields.map(coefficients).sum::<usize>() * size_of::<f32>() + size_of_val(self.met.as_slice())
     }
 
     /// Turns the directions into light space.
-    fn turn(&mut self, turn: DQuat) {
+    fn turn(&mut self, tables: &GroundTables, turn: DQuat) {
         if self.directions.turn != Some(turn) {
-            let weighted = weighted(self.bands, self.even.iter().map(|&direction| turn * direction)).collect();
+            let weighted =
+                weighted(tables.bands, tables.directions.iter().map(|&direction| turn * direction)).collect();
             self.directions = Directions { turn: Some(turn), weighted, light: Vec::new() };
             self.environment = None;
         }
@@ -283,13 +186,19 @@ impl Ground {
     }
 
     /// What is met from a place in world space: direction, object, and where on it.
-    fn met_from(&self, frame: &Frame<'_>, place: DVec3, rotation: DQuat) -> Vec<(u32, usize, Crossing)> {
+    fn met_from(
+        &self,
+        tables: &GroundTables,
+        frame: &Frame<'_>,
+        place: DVec3,
+        rotation: DQuat,
+    ) -> Vec<(u32, usize, Crossing)> {
         let world_from_light = rotation.conjugate();
         (self.directions.weighted.iter().enumerate())
             .filter_map(|(number, (direction, _))| {
                 let direction = world_from_light * *direction;
                 let mut first: Option<(f64, usize, Crossing)> = None;
-                for (object, crossings) in &self.others {
+                for (object, crossings) in &tables.objects {
                     let pose = &frame.world_from_object[*object];
                     let (turn, scale) = (pose.rotation.as_dquat().normalize().conjugate(), f64::from(pose.scale));
                     let origin = turn * (place - pose.translation.as_dvec3()) / scale;

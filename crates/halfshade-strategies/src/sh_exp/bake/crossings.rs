@@ -14,7 +14,7 @@ use std::sync::Arc;
 const EDGE: f64 = 1e-9;
 
 /// The triangles of a mesh, in its own space, in a hierarchy.
-pub(super) struct Crossings {
+pub(crate) struct Crossings {
     mesh: Arc<Mesh>,
     hierarchy: CwBvh,
     space: RaySpace,
@@ -28,18 +28,18 @@ impl std::fmt::Debug for Crossings {
 
 /// One place where a ray meets the surface.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Crossing {
+pub(crate) struct Crossing {
     /// From the ray's origin, in lengths of the mesh's space.
-    pub(super) distance: f64,
-    pub(super) triangle: usize,
+    pub(crate) distance: f64,
+    pub(crate) triangle: usize,
     /// Weights of the triangle's vertices.
-    pub(super) weights: DVec3,
+    pub(crate) weights: DVec3,
     /// Whether the ray leaves through the back of the triangle, from inside to outside.
-    pub(super) leaves: bool,
+    pub(crate) leaves: bool,
 }
 
 impl Crossings {
-    pub(super) fn new(mesh: &Arc<Mesh>) -> Self {
+    pub(crate) fn new(mesh: &Arc<Mesh>) -> Self {
         let (low, high) = mesh.bounds().unwrap_or((Vec3::ZERO, Vec3::ZERO));
         let space = RaySpace::around(low, high);
         let corners: Vec<Triangle> = (mesh.triangles.iter())
@@ -55,7 +55,7 @@ impl Crossings {
     /// Calls `each` for all crossings of the ray from `origin` along unit `direction`, in no particular order.
     ///
     /// Of a ray through an edge both triangles may answer, and rarely none: the boxes' rays are in single precision.
-    pub(super) fn along(&self, origin: DVec3, direction: DVec3, mut each: impl FnMut(Crossing)) {
+    pub(crate) fn along(&self, origin: DVec3, direction: DVec3, mut each: impl FnMut(Crossing)) {
         if self.mesh.triangles.is_empty() {
             return;
         }
@@ -67,7 +67,7 @@ impl Crossings {
     }
 
     /// The first crossing along the ray.
-    pub(super) fn first(&self, origin: DVec3, direction: DVec3) -> Option<Crossing> {
+    pub(crate) fn first(&self, origin: DVec3, direction: DVec3) -> Option<Crossing> {
         if self.mesh.triangles.is_empty() {
             return None;
         }

@@ -1,13 +1,12 @@
-//! `exp=shares`: visibility as one minus what each sphere alone covers, in place of products and exponentials.
+//! `exp=shares`: visibility as one less the share that each sphere alone covers, in place of products and exponentials.
 
-use super::blockers::{Blocker, Seen};
-use super::prepared::Prepared;
+use super::{Blockers, Receivers8, blocker::Seen};
 use glam::DMat3;
 use halfshade_sh::kernel::{self, ExposedShares, ShBatch, SphericalCap8};
 use wide::f32x8;
 
 /// Memory for one batch of receivers, sized by the number of spheres once.
-pub(super) struct Exposure {
+pub(crate) struct Exposure {
     seen: Vec<Seen>,
     shares: ExposedShares,
     /// Into the space in which shares have fixed sample points, row by row.
@@ -15,7 +14,7 @@ pub(super) struct Exposure {
 }
 
 impl Exposure {
-    pub(super) fn new(points: usize, spheres: usize, turn: DMat3) -> Self {
+    pub(crate) fn new(points: usize, spheres: usize, turn: DMat3) -> Self {
         Self {
             seen: Vec::with_capacity(spheres),
             shares: ExposedShares::new(points, spheres),
@@ -27,15 +26,9 @@ impl Exposure {
     ///
     /// A lane that sees nothing of a sphere has a cap of 0 there, which takes nothing from any other's share.
     #[inline(never)]
-    pub(super) fn visibility<const N: usize>(
-        &mut self,
-        prepared: &Prepared,
-        blockers: &[Blocker],
-        position: &[f32x8; 3],
-        normal: &[f32x8; 3],
-    ) -> ShBatch<N> {
+    pub(crate) fn visibility<const N: usize>(&mut self, blockers: &Blockers<'_>, receivers: &Receivers8) -> ShBatch<N> {
         self.seen.clear();
-        self.seen.extend(blockers.iter().filter_map(|blocker| blocker.seen_from(position, normal, prepared.rule)));
+        self.seen.extend(blockers.list.iter().filter_map(|blocker| blocker.seen_from(receivers, blockers.rule)));
         let turn = &self.turn;
         let caps = self.seen.iter().map(|seen| SphericalCap8 {
             direction: std::array::from_fn(|axis| {
@@ -48,7 +41,7 @@ impl Exposure {
         let shares = self.shares.evaluate(caps);
         let mut visibility = [f32x8::ZERO; N];
         for (seen, &share) in self.seen.iter().zip(shares) {
-            let scale = prepared.table.lookup::<N>(seen.sin_squared).map(|value| value * share);
+            let scale = blockers.table.lookup::<N>(seen.sin_squared).map(|value| value * share);
             kernel::accumulate_lobe(seen.direction, &scale, &mut visibility);
         }
         visibility[0] += f32x8::splat(kernel::FULL);

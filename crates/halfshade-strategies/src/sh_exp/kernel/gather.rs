@@ -1,4 +1,4 @@
-//! Second pass: what all spheres radiate to eight receivers at once [Guerrero2007, 4.3.3].
+//! Second pass: radiance of all spheres at eight receivers at once [Guerrero2007, 4.3.3].
 //!
 //! ```text
 //! L = Σ_i L̃_i Ṽ_i        Ṽ_i = ρ_n · (exp(S_i) - exp(S_i + log B_i))        S_i = Σ over nearer spheres j of log B_j
@@ -13,22 +13,62 @@
 //! [`Walk::Linear`] sorts the spheres once per receiver and keeps a running sum, from which it takes back the intersecting
 //! neighbours: O(n·m) with m neighbours instead of O(n²/2), as chapter 6 hopes for.
 
-use super::Reflections;
-use crate::sh_exp::{
-    blockers::Blocker,
-    prepared::Prepared,
-    settings::{Intersections, Order, Walk},
-    traced::Traced,
+use super::{Blocker, Blockers, Receivers8, traced::Traced};
+use crate::sh_exp::settings::{Intersections, Order, Walk};
+use halfshade_sh::{
+    form_factor::FormFactorTable,
+    kernel::{self, BatchExponential, LANES, ShBatch, times_bands},
 };
-use halfshade_sh::kernel::{self, BatchExponential, LANES, ShBatch, times_bands};
 use wide::f32x8;
 
-/// What eight receivers see of one sphere.
+/// The spheres that radiate, and how they are gathered.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Radiating<'a> {
+    pub(crate) vectors: &'a RadianceVectors,
+    pub(crate) form: &'a FormFactorTable,
+    pub(crate) exponential: &'a BatchExponential,
+    /// Clamped cosine over π by band, times the rotation's factor: ρ_n.
+    pub(crate) cosine: &'a [f32],
+    /// Per sphere those of the same object and level that it intersects.
+    pub(crate) neighbours: &'a [Vec<u32>],
+    pub(crate) walk: Walk,
+    pub(crate) order: Order,
+    pub(crate) intersections: Intersections,
+}
+
+/// Radiance of every sphere, in light space.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct RadianceVectors {
+    /// Per sphere and channel an SH vector over the directions from its centre.
+    pub(crate) vectors: Vec<f32>,
+    /// Whether a sphere radiates at all.
+    pub(crate) shines: Vec<bool>,
+    /// Coefficients of a sphere, all channels.
+    pub(crate) stride: usize,
+}
+
+impl RadianceVectors {
+    /// Whether nothing shines.
+    pub(crate) fn is_dark(&self) -> bool {
+        !self.shines.contains(&true)
+    }
+
+    /// The vectors of a sphere, channel by channel; `None` if it is black.
+    pub(crate) fn of(&self, sphere: usize) -> Option<&[f32]> {
+        self.shines[sphere].then(|| &self.vectors[sphere * self.stride..][..self.stride])
+    }
+
+    pub(crate) fn bytes(&self) -> usize {
+        size_of_val(self.vectors.as_slice()) + self.shines.len()
+    }
+}
+
+/// The view of eight receivers on one sphere.
 struct Entry<const N: usize> {
     sphere: u32,
     /// log B.
     log: ShBatch<N>,
-    /// What the order goes by.
+    /// The number by which spheres are ordered.
     key: f32x8,
     /// L̃ by channel.
     radiance: [f32x8; 3],
@@ -36,7 +76,7 @@ struct Entry<const N: usize> {
 }
 
 /// Memory for one batch of receivers.
-pub(in crate::sh_exp) struct Gather<const N: usize> {
+pub(crate) struct Gather<const N: usize> {
     /// The spheres that any of the eight receivers sees.
     entries: Vec<Entry<N>>,
     /// Place of each sphere in `entries`, or [`UNSEEN`].
@@ -58,7 +98,7 @@ impl<const N: usize> Gather<N> {
     const PARTS: usize = N.div_ceil(LANES);
 
     /// For so many spheres, of which a receiver sees at most `most`.
-    pub(in crate::sh_exp) fn new(spheres: usize, most: usize) -> Self {
+    pub(crate) fn new(spheres: usize, most: usize) -> Self {
         Self {
             entries: Vec::with_capacity(most),
             places: vec![UNSEEN; spheres],
@@ -69,27 +109,26 @@ impl<const N: usize> Gather<N> {
         }
     }
 
-    /// Looks at every sphere; returns Σ log B_i, what the shadows need.
+    /// Looks at every sphere; returns Σ log B_i, which the shadows need. The table of `blockers` holds logarithms.
     #[inline(never)]
-    pub(in crate::sh_exp) fn see(
+    pub(crate) fn see(
         &mut self,
-        (prepared, reflections): (&Prepared, &Reflections),
-        blockers: &[Blocker],
-        position: &[f32x8; 3],
-        normal: &[f32x8; 3],
+        blockers: &Blockers<'_>,
+        radiating: &Radiating<'_>,
+        receivers: &Receivers8,
     ) -> ShBatch<N> {
         self.entries.clear();
         self.places.fill(UNSEEN);
         let mut log_sum = [f32x8::ZERO; N];
-        for blocker in blockers {
-            let Some(seen) = blocker.seen_from(position, normal, prepared.rule) else { continue };
+        for blocker in blockers.list {
+            let Some(seen) = blocker.seen_from(receivers, blockers.rule) else { continue };
             let basis = kernel::basis::<f32x8, N>(seen.direction);
-            let scale = blocker.times_factors(reflections.table.lookup::<N>(seen.sin_squared));
+            let scale = blocker.times_factors(blockers.table.lookup::<N>(seen.sin_squared));
             let log = times_bands(&basis, &scale);
             log_sum.iter_mut().zip(&log).for_each(|(sum, log)| *sum += *log);
-            let vectors = reflections.emitters.of(blocker.emitter as usize);
+            let vectors = radiating.vectors.of(blocker.emitter as usize);
             let radiance = vectors.map_or([f32x8::ZERO; 3], |vectors| {
-                let mut form = reflections.form.lookup(seen.sin_squared.sqrt());
+                let mut form = radiating.form.lookup(seen.sin_squared.sqrt());
                 // From the sphere to the receiver: the opposite direction turns the sign of odd bands.
                 form.iter_mut().skip(1).step_by(2).for_each(|f| *f = -*f);
                 let weights = times_bands(&basis, &form);
@@ -103,7 +142,7 @@ impl<const N: usize> Gather<N> {
             self.entries.push(Entry {
                 sphere: blocker.emitter,
                 log,
-                key: order_key(blocker, position, reflections.order),
+                key: order_key(blocker, &receivers.position, radiating.order),
                 radiance,
                 shines: vectors.is_some(),
             });
@@ -113,27 +152,27 @@ impl<const N: usize> Gather<N> {
 
     /// Outgoing radiance of white receivers, by channel, after [`Self::see`].
     #[inline(never)]
-    pub(in crate::sh_exp) fn radiance(&mut self, reflections: &Reflections, normal: &[f32x8; 3]) -> [f32x8; 3] {
+    pub(crate) fn radiance(&mut self, radiating: &Radiating<'_>, normal: &[f32x8; 3]) -> [f32x8; 3] {
         let mut radiance = [f32x8::ZERO; 3];
-        if (reflections.walk, reflections.intersections) == (Walk::Linear, Intersections::Ordered) {
+        if (radiating.walk, radiating.intersections) == (Walk::Linear, Intersections::Ordered) {
             self.walk();
-            return self.handed_on(&reflections.exponential, &reflections.brdf(normal));
+            return self.handed_on(radiating.exponential, &radiating.brdf(normal));
         }
-        self.each_visible(reflections, normal, |entry, visible| {
+        self.each_visible(radiating, normal, |entry, visible| {
             radiance.iter_mut().zip(entry.radiance).for_each(|(sum, l)| *sum = l.mul_add(visible, *sum));
         });
         radiance
     }
 
     /// [`Self::radiance`] with the parts of spheres that are visible as `traced` has found them.
-    pub(in crate::sh_exp) fn radiance_of_traced(
+    pub(crate) fn radiance_of_traced(
         &self,
-        reflections: &Reflections,
+        radiating: &Radiating<'_>,
         normal: &[f32x8; 3],
         traced: &mut Traced<N>,
     ) -> [f32x8; 3] {
         let mut radiance = [f32x8::ZERO; 3];
-        let parts = traced.parts(|place| self.entries[place].key, &reflections.brdf(normal));
+        let parts = traced.parts(|place| self.entries[place].key, &radiating.brdf(normal));
         for (entry, &visible) in self.entries.iter().zip(parts) {
             radiance.iter_mut().zip(entry.radiance).for_each(|(sum, l)| *sum = l.mul_add(visible, *sum));
         }
@@ -141,9 +180,9 @@ impl<const N: usize> Gather<N> {
     }
 
     /// Sum over channels of what each sphere radiates to the receiver in the first lane, after [`Self::see`].
-    pub(in crate::sh_exp) fn parts(&mut self, reflections: &Reflections, normal: &[f32x8; 3]) -> Vec<(u32, f32)> {
+    pub(crate) fn parts(&mut self, radiating: &Radiating<'_>, normal: &[f32x8; 3]) -> Vec<(u32, f32)> {
         let mut parts = Vec::with_capacity(self.entries.len());
-        self.each_visible(reflections, normal, |entry, visible| {
+        self.each_visible(radiating, normal, |entry, visible| {
             let [r, g, b] = entry.radiance;
             parts.push((entry.sphere, ((r + g + b) * visible).as_array()[0]));
         });
@@ -152,26 +191,26 @@ impl<const N: usize> Gather<N> {
 
     /// Calls `each` with every sphere that shines and its Ṽ.
     #[inline(always)]
-    fn each_visible(&mut self, reflections: &Reflections, normal: &[f32x8; 3], mut each: impl FnMut(&Entry<N>, f32x8)) {
-        let brdf = reflections.brdf(normal);
-        if reflections.walk == Walk::Linear {
+    fn each_visible(&mut self, radiating: &Radiating<'_>, normal: &[f32x8; 3], mut each: impl FnMut(&Entry<N>, f32x8)) {
+        let brdf = radiating.brdf(normal);
+        if radiating.walk == Walk::Linear {
             self.walk();
         }
         for (place, entry) in self.entries.iter().enumerate().filter(|(_, entry)| entry.shines) {
-            let before = match reflections.walk {
-                Walk::Linear => self.running_sum(place, reflections.skipped(entry.sphere)),
-                Walk::Quadratic => self.sum_of_nearer(place, reflections),
+            let before = match radiating.walk {
+                Walk::Linear => self.running_sum(place, radiating.skipped(entry.sphere)),
+                Walk::Quadratic => self.sum_of_nearer(place, radiating),
             };
             let after = plus(&before, &entry.log);
-            let exponential = &reflections.exponential;
+            let exponential = radiating.exponential;
             each(entry, exponential.evaluate_dot(&before, &brdf) - exponential.evaluate_dot(&after, &brdf));
         }
     }
 
     /// S_i of an entry, sphere by sphere.
-    fn sum_of_nearer(&self, place: usize, reflections: &Reflections) -> ShBatch<N> {
+    fn sum_of_nearer(&self, place: usize, radiating: &Radiating<'_>) -> ShBatch<N> {
         let mut sum = [f32x8::ZERO; N];
-        let skipped = reflections.skipped(self.entries[place].sphere);
+        let skipped = radiating.skipped(self.entries[place].sphere);
         for (other, nearer) in self.entries.iter().enumerate() {
             if other != place && !skipped.contains(&nearer.sphere) {
                 self.add_if_nearer(other, place, f32x8::ONE, &mut sum);
@@ -295,11 +334,19 @@ impl<const N: usize> Gather<N> {
     }
 }
 
-impl Reflections {
+impl Radiating<'_> {
+    /// The spheres that don't cover `sphere`, though they may be nearer.
+    fn skipped(&self, sphere: u32) -> &[u32] {
+        match self.intersections {
+            Intersections::Precomputed => &self.neighbours[sphere as usize],
+            Intersections::Ordered => &[],
+        }
+    }
+
     /// ρ_n of eight normals.
     #[inline(always)]
     fn brdf<const N: usize>(&self, normal: &[f32x8; 3]) -> ShBatch<N> {
-        times_bands(&kernel::basis::<f32x8, N>(*normal), &self.cosine)
+        times_bands(&kernel::basis::<f32x8, N>(*normal), self.cosine)
     }
 }
 

@@ -18,11 +18,11 @@
 //! sample to their neighbours, so that a colour's edge isn't darkened twice. [`Covered::Kept`] leaves out case 2: the first
 //! crossing counts whoever it belongs to, and who covers whom is left to the second pass.
 
-use super::geodesic::Geodesic;
-use crate::sh_exp::{
+use super::{
     crossings::{Crossing, Crossings},
-    settings::Projection,
+    geodesic::Geodesic,
 };
+use crate::sh_exp::settings::Projection;
 use glam::{DVec3, Vec3};
 use halfshade_scene::{Object, Sphere};
 use halfshade_sh::product::product;
@@ -30,7 +30,7 @@ use rayon::prelude::*;
 
 /// What a sphere shows where another covers it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Covered {
+pub(crate) enum Covered {
     /// Nothing [Guerrero2007, 4.3.1].
     Black,
     /// The surface in that direction.
@@ -39,11 +39,11 @@ pub(super) enum Covered {
 
 /// One sphere's part of a surface, in the object's space.
 #[derive(Debug, Clone, Default)]
-pub(super) struct SphereSurface {
+pub(crate) struct SphereSurface {
     /// Sample points: triangles, and weights of their vertices, so that points follow a mesh that deforms.
-    pub(super) samples: Vec<(u32, Vec3)>,
+    pub(crate) samples: Vec<(u32, Vec3)>,
     /// W_j: per sample and channel an SH vector.
-    pub(super) weights: Vec<f32>,
+    pub(crate) weights: Vec<f32>,
 }
 
 /// What a ray from a sphere's centre sees.
@@ -53,7 +53,7 @@ struct Seen {
 }
 
 /// The surface of `object` as each of `spheres` knows it, with `channels` channels of albedo, 1 (of a grey one) or 3.
-pub(super) fn surfaces(
+pub(crate) fn surfaces(
     object: &Object,
     spheres: &[Sphere],
     bands: usize,

@@ -19,40 +19,24 @@
 //!
 //! A receiver belongs to the cluster of the vertex next to it.
 
-use super::{
-    blockers::Blocker,
-    clusters::ObjectClusters,
-    levels::{Hierarchies, Level},
+use super::placed::{LightSpace, PlacedObject, PlacedSpheres, placed};
+use crate::sh_exp::{
+    bake::{CutSettings, clusters::ObjectClusters},
+    kernel::Blocker,
     settings::Levels,
 };
-use crate::shared::origin::origin_of;
-use glam::{DMat3, DQuat, DVec3, Vec3};
-use halfshade_scene::{Frame, Object, Pose, Receivers, Sphere};
+use glam::{DVec3, Vec3};
+use halfshade_scene::{Frame, Receivers};
 use halfshade_sh::{
     blocker_table::BlockerTable,
     kernel::{self, MAX_BANDS},
 };
-use halfshade_strategy::StrategyError;
 use std::sync::Arc;
 use wide::f32x8;
 
-/// How cuts are made.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct CutSettings {
-    pub(super) choice: Levels,
-    /// Sine of the largest angular radius of a sphere that isn't a leaf.
-    pub(super) threshold_sine: f64,
-    /// Whether parents are scaled to their children.
-    pub(super) ratios: bool,
-    /// Whether what they reflect is scaled too.
-    pub(super) reflection_ratios: bool,
-    pub(super) bands: usize,
-}
-
-/// The cuts of a frame, in the space of the light: turned like the environment, so that its tables hold for every turn, and
-/// about an origin that is theirs.
+/// The spheres that receivers see, by cluster.
 #[derive(Debug, Clone)]
-pub(super) struct Cuts {
+pub(crate) struct Cuts {
     cuts: Vec<Vec<Blocker>>,
     /// Per object its clusters where they are; none if there is one cut for all.
     clusters: Vec<PlacedClusters>,
@@ -60,14 +44,6 @@ pub(super) struct Cuts {
     of_emitters: Vec<u32>,
     /// Clusters whose cut has parents in it, if ratios are wanted.
     coarse: Vec<CoarseCut>,
-    /// How each sphere of every level has turned within its object since rest, in the order of the emitters.
-    pub(super) turns: Vec<DQuat>,
-    /// Light space from world space: `rotation · (point - center)`.
-    pub(super) rotation: DMat3,
-    pub(super) center: DVec3,
-    /// A space that turns with what blocks, that of the first object with spheres, from light space: what is sampled in fixed
-    /// directions there doesn't change when light and scene are turned, however the light's turn is described.
-    pub(super) blockers_from_light: DMat3,
 }
 
 /// The clusters of an object in light space.
@@ -81,122 +57,66 @@ struct PlacedClusters {
 
 /// A cut with parents in it, beside its refinement.
 #[derive(Debug, Clone)]
-pub(super) struct CoarseCut {
+pub(crate) struct CoarseCut {
     cut: usize,
     /// Centre and mean normal of the cluster.
-    pub(super) place: [f32; 3],
-    pub(super) normal: [f32; 3],
+    pub(crate) place: [f32; 3],
+    pub(crate) normal: [f32; 3],
     /// The cut with all parents replaced by their children, and for each of its spheres the one in the cut.
-    pub(super) refined: Vec<Blocker>,
+    pub(crate) refined: Vec<Blocker>,
     origin: Vec<usize>,
 }
 
 /// Whose cut a receiver takes.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum CutOf<'a> {
+pub(crate) enum CutOf<'a> {
     /// That of its cluster.
     Cluster,
     /// That of the sphere of this number, receiver by receiver.
     Emitter(&'a [u32]),
 }
 
-/// The spheres of one object in light space, level by level.
-struct Placed {
-    levels: Arc<[Level]>,
-    spheres: Vec<Vec<(DVec3, f64)>>,
-    /// Number of the first sphere of each level among all emitters.
-    first: Vec<u32>,
-}
-
 impl Default for Cuts {
+    /// Nothing to see.
     fn default() -> Self {
-        Self {
-            cuts: vec![Vec::new()],
-            clusters: Vec::new(),
-            of_emitters: Vec::new(),
-            coarse: Vec::new(),
-            turns: Vec::new(),
-            rotation: DMat3::IDENTITY,
-            center: DVec3::ZERO,
-            blockers_from_light: DMat3::IDENTITY,
-        }
+        Self { cuts: vec![Vec::new()], clusters: Vec::new(), of_emitters: Vec::new(), coarse: Vec::new() }
     }
 }
 
 impl Cuts {
     /// For `frame`; `clusters` is empty or has an entry per object. `logs` are the log blockers by angular radius, if
     /// blockers are logarithms.
-    pub(super) fn new(
+    pub(crate) fn new(
         frame: &Frame<'_>,
-        levels: &mut Hierarchies,
+        spheres: &PlacedSpheres,
         clusters: &[Arc<ObjectClusters>],
         logs: Option<&BlockerTable>,
         settings: &CutSettings,
-    ) -> Result<Self, StrategyError> {
-        let mut objects = Vec::new();
-        let mut first = 0;
-        let mut turns = Vec::new();
-        for (number, (object, pose)) in frame.scene.objects.iter().zip(&frame.world_from_object).enumerate() {
-            if object.sphere_count == 0 {
-                continue;
-            }
-            let levels = levels.of(object).ok_or_else(|| {
-                StrategyError::Failed(format!("object `{}` blocks but its sphere set is not built", object.name))
-            })?;
-            let mut place = |level: &Level| -> Vec<(DVec3, f64)> {
-                let followed = level.followed(&object.mesh, frame.deformed(number));
-                turns.extend(followed.iter().map(|followed| followed.rotation));
-                followed.iter().map(|followed| placed(&followed.sphere, pose)).collect()
-            };
-            let spheres: Vec<Vec<(DVec3, f64)>> = levels.iter().map(&mut place).collect();
-            let firsts = spheres.iter().map(|level| {
-                first += level.len() as u32;
-                first - level.len() as u32
-            });
-            objects.push(Placed { first: firsts.collect(), levels, spheres });
-        }
-        let leaves = objects.iter().flat_map(|object| &object.spheres[0]);
-        let center = origin_of(leaves.map(|(center, _)| *center));
-        let rotation = DMat3::from_quat(frame.world_from_environment.as_dquat().normalize().conjugate());
-        for (place, _) in objects.iter_mut().flat_map(|object| &mut object.spheres).flatten() {
-            *place = rotation * (*place - center);
-        }
-
-        let blocks = |(object, pose): (&Object, &Pose)| (object.sphere_count > 0).then_some(pose.rotation);
-        let first = frame.scene.objects.iter().zip(&frame.world_from_object).find_map(blocks).unwrap_or_default();
-        let blockers_from_light = DMat3::from_quat(first.as_dquat().normalize().conjugate()) * rotation.transpose();
-        let mut cuts = Self { cuts: Vec::new(), turns, rotation, center, blockers_from_light, ..Self::default() };
-        if settings.choice == Levels::Leaves {
+    ) -> Self {
+        let PlacedSpheres { objects, space, .. } = spheres;
+        let mut cuts = Self { cuts: Vec::new(), ..Self::default() };
+        if settings.levels == Levels::Leaves {
             cuts.cuts.push(objects.iter().flat_map(|object| object.level(0)).collect());
-            return Ok(cuts);
+            return cuts;
         }
-        let view =
-            |center: DVec3, radius: f64| View { center, radius, logs: logs.filter(|_| settings.ratios), settings };
         let cut = |center: DVec3, radius: f64| -> Vec<(usize, Blocker)> {
-            let view = view(center, radius);
+            let view = View { center, radius, logs: logs.filter(|_| settings.ratios), settings };
             let of_object =
-                |(number, object): (usize, &Placed)| object.cut(&view).into_iter().map(move |b| (number, b));
+                |(number, object): (usize, &PlacedObject)| view.cut(object).into_iter().map(move |b| (number, b));
             objects.iter().enumerate().flat_map(of_object).collect()
         };
-        let blockers = |cut: &[(usize, Blocker)]| cut.iter().map(|(_, blocker)| *blocker).collect();
         for (number, (clusters, pose)) in clusters.iter().zip(&frame.world_from_object).enumerate() {
             let first_cut = cuts.cuts.len() as u32;
             let mut centers = Vec::new();
             for cluster in clusters.followed(frame.deformed(number)) {
                 let (place, radius) = placed(&cluster.bound, pose);
-                let place = rotation * (place - center);
-                let (number, cut) = (cuts.cuts.len(), cut(place, radius));
+                let place = space.from_world(place);
+                let normal = space.rotation * (pose.rotation.as_dquat() * cluster.normal);
+                let cut = cut(place, radius);
                 centers.push(place.as_vec3());
-                let place = place.as_vec3().to_array();
-                let (mut refined, mut origin) = (Vec::new(), Vec::new());
-                for (place, (object, blocker)) in cut.iter().enumerate() {
-                    refined.extend(objects[*object].children_of(blocker));
-                    origin.resize(refined.len(), place);
-                }
-                if settings.ratios && refined.len() > cut.len() {
-                    let normal = (rotation * (pose.rotation.as_dquat() * cluster.normal)).as_vec3().to_array();
-                    cuts.coarse.push(CoarseCut { cut: number, place, normal, refined, origin });
-                }
+                let number = cuts.cuts.len();
+                cuts.coarse
+                    .extend((settings.ratios).then(|| CoarseCut::new(number, &cut, objects, place, normal)).flatten());
                 cuts.cuts.push(blockers(&cut));
             }
             cuts.clusters.push(PlacedClusters { object: clusters.clone(), centers, first_cut });
@@ -209,16 +129,16 @@ impl Cuts {
             cuts.of_emitters.push(cuts.cuts.len() as u32);
             cuts.cuts.push(blockers(&cut(place, radius)));
         }
-        Ok(cuts)
+        cuts
     }
 
     /// The blockers of a cut.
-    pub(super) fn cut(&self, number: usize) -> &[Blocker] {
+    pub(crate) fn cut(&self, number: usize) -> &[Blocker] {
         &self.cuts[number]
     }
 
     /// Blockers of the largest cut.
-    pub(super) fn largest(&self) -> usize {
+    pub(crate) fn largest(&self) -> usize {
         let refined = self.coarse.iter().map(|coarse| coarse.refined.len());
         self.cuts.iter().map(Vec::len).chain(refined).max().unwrap_or(0)
     }
@@ -235,7 +155,7 @@ impl Cuts {
     /// default: on the vases' ground it takes a twentieth off errors, on the vases, whose clusters have their centres
     /// inside, it is worse than none (`ratios_of_reflections_were_decided_by_experiment`).
     /// `parts` gives L̃ Ṽ of all spheres of a list.
-    pub(super) fn set_reflection_ratios(&mut self, mut parts: impl FnMut(&CoarseCut, &[Blocker]) -> Vec<(u32, f32)>) {
+    pub(crate) fn set_reflection_ratios(&mut self, mut parts: impl FnMut(&CoarseCut, &[Blocker]) -> Vec<(u32, f32)>) {
         for coarse in &self.coarse {
             let cut = &mut self.cuts[coarse.cut];
             let place_of = |blockers: &[Blocker], emitter| blockers.iter().position(|b| b.emitter == emitter);
@@ -255,23 +175,23 @@ impl Cuts {
     }
 
     /// Clusters whose cut has parents in it.
-    pub(super) fn is_coarse(&self) -> bool {
+    pub(crate) fn is_coarse(&self) -> bool {
         !self.coarse.is_empty()
     }
 
-    pub(super) fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         self.cuts.iter().map(|cut| size_of_val(cut.as_slice())).sum()
     }
 
     /// The cut of each receiver; `None` if they all share the first.
-    pub(super) fn of(&self, receivers: Receivers<'_>, whose: CutOf<'_>) -> Option<Vec<u32>> {
+    pub(crate) fn of(&self, receivers: Receivers<'_>, space: &LightSpace, whose: CutOf<'_>) -> Option<Vec<u32>> {
         if self.clusters.is_empty() {
             return None;
         }
         let of_cluster = |i: usize| {
             let clusters = self.clusters.get(receivers.object[i] as usize)?;
             let cluster = clusters.object.of(receivers.surface[i]).or_else(|| {
-                let position = self.rotation * (receivers.position_at(i).as_dvec3() - self.center);
+                let position = space.from_world(receivers.position_at(i).as_dvec3());
                 clusters.nearest(position.as_vec3())
             });
             Some(clusters.first_cut + cluster?)
@@ -284,6 +204,31 @@ impl Cuts {
     }
 }
 
+/// The spheres of a cut, whoever's they are.
+fn blockers(cut: &[(usize, Blocker)]) -> Vec<Blocker> {
+    cut.iter().map(|(_, blocker)| *blocker).collect()
+}
+
+impl CoarseCut {
+    /// The cut of this number with all parents replaced by their children, for a cluster about `place`; `None` if it has no
+    /// parents.
+    fn new(
+        number: usize,
+        cut: &[(usize, Blocker)],
+        objects: &[PlacedObject],
+        place: DVec3,
+        normal: DVec3,
+    ) -> Option<Self> {
+        let (mut refined, mut origin) = (Vec::new(), Vec::new());
+        for (place, (object, blocker)) in cut.iter().enumerate() {
+            refined.extend(objects[*object].children_of(blocker));
+            origin.resize(refined.len(), place);
+        }
+        let (place, normal) = (place.as_vec3().to_array(), normal.as_vec3().to_array());
+        (refined.len() > cut.len()).then_some(Self { cut: number, place, normal, refined, origin })
+    }
+}
+
 impl PlacedClusters {
     /// The cluster with the nearest centre: for receivers that lie nowhere on the mesh.
     fn nearest(&self, position: Vec3) -> Option<u32> {
@@ -293,12 +238,7 @@ impl PlacedClusters {
     }
 }
 
-fn placed(sphere: &Sphere, pose: &Pose) -> (DVec3, f64) {
-    let center = pose.rotation.as_dquat() * (f64::from(pose.scale) * sphere.center.as_dvec3());
-    (center + pose.translation.as_dvec3(), f64::from(pose.scale * sphere.radius))
-}
-
-/// What a cluster decides by.
+/// A cluster, by which cuts are decided.
 struct View<'a> {
     center: DVec3,
     radius: f64,
@@ -312,25 +252,24 @@ impl View<'_> {
     fn allows(&self, &(center, radius): &(DVec3, f64)) -> bool {
         radius <= self.settings.threshold_sine * (center.distance(self.center) - self.radius)
     }
-}
 
-impl Placed {
-    fn cut(&self, view: &View<'_>) -> Vec<Blocker> {
-        match view.settings.choice {
-            Levels::Leaves => self.level(0).collect(),
+    /// The spheres of an object that the cluster sees.
+    fn cut(&self, object: &PlacedObject) -> Vec<Blocker> {
+        match self.settings.levels {
+            Levels::Leaves => object.level(0).collect(),
             Levels::Cluster => {
-                let fits = |&level: &usize| self.spheres[level].iter().all(|sphere| view.allows(sphere));
-                let level = (1..self.levels.len()).rev().find(fits).unwrap_or(0);
-                (0..self.spheres[level].len()).map(|i| self.scaled(level, i, view)).collect()
+                let fits = |&level: &usize| object.spheres[level].iter().all(|sphere| self.allows(sphere));
+                let level = (1..object.levels.len()).rev().find(fits).unwrap_or(0);
+                (0..object.spheres[level].len()).map(|i| self.scaled(object, level, i)).collect()
             }
             Levels::Tree => {
-                let top = self.levels.len() - 1;
-                let mut open: Vec<(usize, u32)> = (0..self.spheres[top].len() as u32).map(|i| (top, i)).collect();
+                let top = object.levels.len() - 1;
+                let mut open: Vec<(usize, u32)> = (0..object.spheres[top].len() as u32).map(|i| (top, i)).collect();
                 let mut cut = Vec::new();
                 while let Some((level, i)) = open.pop() {
-                    let children = &self.levels[level].children[i as usize];
-                    if level == 0 || view.allows(&self.spheres[level][i as usize]) {
-                        cut.push(self.scaled(level, i as usize, view));
+                    let children = &object.levels[level].children[i as usize];
+                    if level == 0 || self.allows(&object.spheres[level][i as usize]) {
+                        cut.push(self.scaled(object, level, i as usize));
                     } else {
                         open.extend(children.iter().map(|&child| (level - 1, child)));
                     }
@@ -340,42 +279,16 @@ impl Placed {
         }
     }
 
-    /// All spheres of a level as they are.
-    fn level(&self, level: usize) -> impl Iterator<Item = Blocker> {
-        (0..self.spheres[level].len()).map(move |i| self.blocker(level, i))
-    }
-
-    fn blocker(&self, level: usize, i: usize) -> Blocker {
-        let (center, radius) = self.spheres[level][i];
-        Blocker {
-            center: center.as_vec3().to_array(),
-            radius: radius as f32,
-            factors: [self.levels[level].shares[i]; MAX_BANDS],
-            emitter: self.first[level] + i as u32,
-            reflection_factor: 1.0,
-        }
-    }
-
-    /// The children of a blocker, as they are; itself if it is a leaf.
-    fn children_of(&self, blocker: &Blocker) -> Vec<Blocker> {
-        let level = self.first.partition_point(|&first| first <= blocker.emitter) - 1;
-        let children = &self.levels[level].children[(blocker.emitter - self.first[level]) as usize];
-        if children.is_empty() {
-            return vec![*blocker];
-        }
-        children.iter().map(|&child| self.blocker(level - 1, child as usize)).collect()
-    }
-
     /// A sphere, scaled to what its children give at the cluster's centre.
-    fn scaled(&self, level: usize, i: usize, view: &View<'_>) -> Blocker {
-        let mut blocker = self.blocker(level, i);
-        let children = &self.levels[level].children[i];
-        if let Some(logs) = view.logs.filter(|_| !children.is_empty()) {
+    fn scaled(&self, object: &PlacedObject, level: usize, i: usize) -> Blocker {
+        let mut blocker = object.blocker(level, i);
+        let children = &object.levels[level].children[i];
+        if let Some(logs) = self.logs.filter(|_| !children.is_empty()) {
             let children: Vec<Blocker> =
-                children.iter().map(|&child| self.blocker(level - 1, child as usize)).collect();
-            let place = view.center.as_vec3().to_array();
+                children.iter().map(|&child| object.blocker(level - 1, child as usize)).collect();
+            let place = self.center.as_vec3().to_array();
             let ratio =
-                halfshade_sh::dispatch_bands!(view.settings.bands, N => ratio::<N>(logs, &blocker, &children, place));
+                halfshade_sh::dispatch_bands!(self.settings.bands, N => ratio::<N>(logs, &blocker, &children, place));
             let ratio = ratio.unwrap_or([1.0; MAX_BANDS]);
             blocker.factors.iter_mut().zip(ratio).for_each(|(factor, ratio)| *factor *= ratio);
         }
@@ -418,10 +331,13 @@ fn add_log<const N: usize>(logs: &BlockerTable, blocker: &Blocker, place: [f32; 
 mod tests {
     use super::*;
     use crate::{
-        sh_exp::{clusters, settings::Overlap},
+        sh_exp::{
+            bake::{clusters, hierarchy::Hierarchies},
+            settings::Overlap,
+        },
         shared::test_scenes::with_spheres,
     };
-    use halfshade_scene::{Environment, Motion, ReceiverBuffer, SphereSet, builtin::shapes};
+    use halfshade_scene::{Environment, Motion, Pose, ReceiverBuffer, Sphere, SphereSet, builtin::shapes};
 
     /// A ball of 48 spheres stands on a ground 30 times as wide. Without a number of clusters most of the ground sees few of
     /// them; one cluster sees all.
@@ -443,23 +359,24 @@ mod tests {
         (ground.mesh, ground.sphere_count, ground.spheres) = (Arc::new(shapes::plane(64)), 0, None);
         ground.motion = Motion::Still(Pose { scale: 30.0, ..Pose::IDENTITY });
         scene.objects = vec![ball, ground];
-        let visited = |choice, count: usize| {
+        let visited = |levels, count: usize| {
             let mut scene = scene.clone();
             scene.objects[1].cluster_count = count;
-            let mut levels = Hierarchies::new(&scene, Overlap::Independent, Some(4));
+            let mut hierarchies = Hierarchies::new(&scene, Overlap::Independent, Some(4));
             let threshold_sine = 15f64.to_radians().sin();
-            let settings = CutSettings { choice, threshold_sine, ratios: false, reflection_ratios: false, bands: 4 };
+            let settings = CutSettings { levels, threshold_sine, ratios: false, reflection_ratios: false, bands: 4 };
             let frame = scene.frame(0);
-            let cuts = Cuts::new(&frame, &mut levels, &clusters::clusters(&scene), None, &settings).unwrap();
+            let spheres = PlacedSpheres::new(&frame, &mut hierarchies).unwrap();
+            let cuts = Cuts::new(&frame, &spheres, &clusters::clusters(&scene), None, &settings);
             let receivers = ReceiverBuffer::vertices(&frame);
             let first = scene.objects[0].mesh.positions.len();
-            let numbers = cuts.of(receivers.view(), CutOf::Cluster).unwrap();
+            let numbers = cuts.of(receivers.view(), &spheres.space, CutOf::Cluster).unwrap();
             let sizes = numbers[first..].iter().map(|&cut| cuts.cut(cut as usize).len());
             sizes.sum::<usize>() as f64 / (numbers.len() - first) as f64
         };
-        for choice in [Levels::Cluster, Levels::Tree] {
-            let (one, default) = (visited(choice, 1), visited(choice, 0));
-            assert!(one == 48.0 && default < 16.0, "{choice:?}: {one} spheres with one cluster, {default} by default");
+        for levels in [Levels::Cluster, Levels::Tree] {
+            let (one, default) = (visited(levels, 1), visited(levels, 0));
+            assert!(one == 48.0 && default < 16.0, "{levels:?}: {one} spheres with one cluster, {default} by default");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What a frame's preparation depends on, so that a frame in which nothing moved costs nothing.
+//! The state on which a frame's preparation depends, so that a frame in which nothing moved costs nothing.
 
 use glam::Quat;
 use halfshade_scene::{Environment, Frame, Placement, SphereSet};
@@ -6,15 +6,15 @@ use std::sync::Arc;
 
 /// Objects, spheres and light of the frame that was prepared last.
 #[derive(Debug, Clone)]
-pub(super) struct Moment {
+pub(crate) struct FrameState {
     placement: Placement,
     spheres: Vec<Option<Arc<SphereSet>>>,
     environment: Environment,
     world_from_environment: Quat,
 }
 
-impl Moment {
-    pub(super) fn of(frame: &Frame<'_>) -> Self {
+impl FrameState {
+    pub(crate) fn of(frame: &Frame<'_>) -> Self {
         Self {
             placement: frame.placement(),
             spheres: frame.scene.objects.iter().map(|object| object.spheres.clone()).collect(),
@@ -23,8 +23,8 @@ impl Moment {
         }
     }
 
-    /// Whether `frame` is the same moment. Sphere sets are compared by their place in memory.
-    pub(super) fn is(&self, frame: &Frame<'_>) -> bool {
+    /// Whether `frame` is in the same state. Sphere sets are compared by their place in memory.
+    pub(crate) fn is(&self, frame: &Frame<'_>) -> bool {
         let (environment, objects) = (&frame.scene.environment, &frame.scene.objects);
         let same_spheres = |(known, object): (&Option<Arc<SphereSet>>, &halfshade_scene::Object)| {
             known.as_ref().map(Arc::as_ptr) == object.spheres.as_ref().map(Arc::as_ptr)

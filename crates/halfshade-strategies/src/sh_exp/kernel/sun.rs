@@ -6,6 +6,7 @@
 //!
 //! exact unless the horizon cuts the cap, where the mean is taken over all of it.
 
+use crate::shared::vector::dot;
 use glam::DVec3;
 use halfshade_scene::light::{Sun, cap_irradiance, is_grey};
 use halfshade_sh::{kernel::ShBatch, window::Window, zonal};
@@ -14,7 +15,7 @@ use wide::f32x8;
 
 /// A sun, ready to be multiplied with visibility.
 #[derive(Debug, Clone)]
-pub(super) struct SunProduct {
+pub(crate) struct SunLight {
     sun: Sun,
     direction: [f32; 3],
     sin_radius: f64,
@@ -24,8 +25,8 @@ pub(super) struct SunProduct {
     basis: Vec<f32>,
 }
 
-impl SunProduct {
-    pub(super) fn new(bands: usize, sun: Sun, window: Window) -> Self {
+impl SunLight {
+    pub(crate) fn new(bands: usize, sun: Sun, window: Window) -> Self {
         let direction = sun.direction.as_dvec3().normalize_or(DVec3::Y);
         let radius = f64::from(sun.angular_radius);
         let versine = 2.0 * (0.5 * radius).sin().powi(2);
@@ -42,17 +43,17 @@ impl SunProduct {
         }
     }
 
-    pub(super) fn is_of(&self, sun: &Sun) -> bool {
+    pub(crate) fn is_of(&self, sun: &Sun) -> bool {
         self.sun == *sun
     }
 
-    pub(super) fn is_grey(&self) -> bool {
+    pub(crate) fn is_grey(&self) -> bool {
         is_grey(self.sun.radiance)
     }
 
     /// Adds the light that eight white receivers reflect. With `clamp`, the visible share is held in [0, 1].
     #[inline(always)]
-    pub(super) fn add<const N: usize>(
+    pub(crate) fn add<const N: usize>(
         &self,
         normal: &[f32x8; 3],
         visibility: &ShBatch<N>,
@@ -75,8 +76,7 @@ impl SunProduct {
     /// Irradiance as a share of that of a surface facing the sun: the clamped cosine, but where the horizon cuts the sun.
     #[inline(always)]
     fn cosine(&self, normal: &[f32x8; 3]) -> f32x8 {
-        let [x, y, z] = self.direction.map(f32x8::splat);
-        let cosine = x.mul_add(normal[0], y.mul_add(normal[1], z * normal[2]));
+        let cosine = dot(&self.direction.map(f32x8::splat), normal);
         // Wider than the radius by f32's rounding, so that both forms agree where they meet.
         let is_cut = cosine.abs().simd_lt(f32x8::splat(self.sin_radius as f32 * 1.000_001));
         let above = cosine.max(f32x8::ZERO);
@@ -101,7 +101,7 @@ mod tests {
         for angular_radius in [1e-4f32, 0.00465, 0.3, 1.2] {
             let sun =
                 Sun { direction: Vec3::new(0.6, 0.48, -0.64), angular_radius, radiance: Vec3::new(3.0, 2.0, 1.0) };
-            let product = SunProduct::new(4, sun, Window::None);
+            let product = SunLight::new(4, sun, Window::None);
             let mut visibility = [f32x8::ZERO; 16];
             visibility[0] = f32x8::splat((4.0 * std::f32::consts::PI).sqrt());
             let side = sun.direction.any_orthonormal_vector();

@@ -1,6 +1,6 @@
 //! The spheres of every object, from the leaves to coarser levels [Guerrero2007, 4.1 "Parent sphere construction"].
 
-use super::settings::Overlap;
+use crate::sh_exp::settings::Overlap;
 use glam::DQuat;
 use halfshade_scene::{
     Deformed, Mesh, Object, Scene, Sphere, SphereSet,
@@ -10,19 +10,19 @@ use std::sync::Arc;
 
 /// Spheres of one object that bound it together.
 #[derive(Debug, Clone)]
-pub(super) struct Level {
-    pub(super) spheres: Vec<Sphere>,
+pub(crate) struct Level {
+    pub(crate) spheres: Vec<Sphere>,
     /// How much of each sphere's logarithm counts.
-    pub(super) shares: Vec<f32>,
+    pub(crate) shares: Vec<f32>,
     /// For each sphere those of the next finer level that it stands for; none in the leaves.
-    pub(super) children: Vec<Vec<u32>>,
+    pub(crate) children: Vec<Vec<u32>>,
     /// How the spheres follow their mesh, if it deforms.
     binding: Option<SphereBinding>,
 }
 
 impl Level {
     /// The spheres of a level of `mesh` where it is now.
-    pub(super) fn followed(&self, mesh: &Mesh, deformed: Option<&Deformed>) -> Vec<Followed> {
+    pub(crate) fn followed(&self, mesh: &Mesh, deformed: Option<&Deformed>) -> Vec<Followed> {
         match (&self.binding, deformed) {
             (Some(binding), Some(deformed)) => binding.follow(&mesh.positions, &deformed.positions),
             _ => self.spheres.iter().map(|&sphere| Followed { sphere, rotation: DQuat::IDENTITY }).collect(),
@@ -32,7 +32,7 @@ impl Level {
 
 /// The levels of all sphere sets, kept from frame to frame.
 #[derive(Debug, Clone)]
-pub(super) struct Hierarchies {
+pub(crate) struct Hierarchies {
     overlap: Overlap,
     /// Children per parent; without it there are leaves only.
     branching: Option<usize>,
@@ -50,7 +50,7 @@ struct Known {
 
 impl Hierarchies {
     /// Of every object of `scene`, ahead of its first frame.
-    pub(super) fn new(scene: &Scene, overlap: Overlap, branching: Option<usize>) -> Self {
+    pub(crate) fn new(scene: &Scene, overlap: Overlap, branching: Option<usize>) -> Self {
         let mut levels = Self { overlap, branching, known: Vec::new() };
         for object in &scene.objects {
             levels.of(object);
@@ -58,13 +58,13 @@ impl Hierarchies {
         levels
     }
 
-    pub(super) fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         let bindings = self.known.iter().flat_map(|known| &*known.levels).filter_map(|level| level.binding.as_ref());
         bindings.map(SphereBinding::bytes).sum()
     }
 
     /// The levels of an object that blocks, finest first; `None` if it doesn't or its sphere set is not built.
-    pub(super) fn of(&mut self, object: &Object) -> Option<Arc<[Level]>> {
+    pub(crate) fn of(&mut self, object: &Object) -> Option<Arc<[Level]>> {
         let set = object.spheres.as_ref().filter(|_| object.sphere_count > 0)?;
         let mesh = object.skin.as_ref().map(|_| &object.mesh);
         let is_known = |known: &&Known| {

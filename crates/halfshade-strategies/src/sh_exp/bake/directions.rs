@@ -7,12 +7,12 @@ use std::f64::consts::PI;
 /// `count` unit directions.
 ///
 /// They lie on the golden spiral about a level axis, so that no whole turn of it runs along a level horizon.
-pub(super) fn even_directions(count: usize) -> impl ExactSizeIterator<Item = DVec3> {
+pub(crate) fn even_directions(count: usize) -> impl ExactSizeIterator<Item = DVec3> {
     golden_spiral(count).map(|[y, x, z]| DVec3::new(x, y, z))
 }
 
 /// Each with the basis there times its solid angle, 4π over their count.
-pub(super) fn weighted(
+pub(crate) fn weighted(
     bands: usize,
     directions: impl ExactSizeIterator<Item = DVec3>,
 ) -> impl Iterator<Item = (DVec3, Vec<f32>)> {

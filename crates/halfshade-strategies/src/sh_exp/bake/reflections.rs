@@ -1,77 +1,50 @@
-//! Diffuse reflections from the same spheres that block [Guerrero2007, 4.3].
-//!
-//! Every sphere knows the colours and some points of the surface near it ([`surface`]). Each frame, the light at these
-//! points becomes a radiance vector on the sphere, as seen from any direction ([`emitters`], the first pass). A receiver
-//! sees of every sphere an average radiance and a visible part; the products add up ([`gather`], the second pass).
-//!
-//! The first pass may take in what the last one found: b bounces are b rounds of it, as chapter 7 proposes.
-
-mod emitters;
-mod gather;
-mod geodesic;
-mod surface;
+//! Diffuse reflections from the same spheres that block [Guerrero2007, 4.3]: their colours and sample points, once per scene.
 
 use super::{
-    levels::{Hierarchies, Level},
-    settings::{GroundMode, Intersections, Order, Settings, Walk},
+    geodesic::Geodesic,
+    hierarchy::{Hierarchies, Level},
+    surface::{self, Covered, SphereSurface},
 };
-use emitters::{Emitters, Shape};
-use glam::DQuat;
-use halfshade_scene::{Frame, Object, RadianceBuffer, ReceiverBuffer, Scene, Sphere, light::is_grey};
+use crate::sh_exp::settings::{GroundMode, Intersections, Order, Settings, Walk};
+use halfshade_scene::{Frame, Object, Scene, Sphere, light::is_grey};
 use halfshade_sh::{blocker_table::BlockerTable, form_factor::FormFactorTable, kernel::BatchExponential, zonal};
 use std::sync::Arc;
-use surface::{Covered, SphereSurface};
 
-pub(super) use gather::Gather;
-
-/// Everything about reflections: what is baked, and what the spheres of this frame radiate.
+/// Everything about reflections that holds for all frames.
 #[derive(Debug)]
-pub(super) struct Reflections {
-    pub(super) bounces: usize,
-    bands: usize,
+pub(crate) struct ReflectionTables {
+    pub(crate) bounces: usize,
+    pub(crate) bands: usize,
     /// Coefficients of a radiance vector that are not 0.
-    radiance_coefficients: usize,
-    /// Of what surfaces reflect: 1 if no object that is seen has a colour, else 3.
-    surface_channels: usize,
-    /// Of what spheres radiate in this frame: 1 if the light has no colour either.
-    channels: usize,
-    exponential: BatchExponential,
+    pub(crate) radiance_coefficients: usize,
+    /// Channels that surfaces reflect differently: 1 if no object that is seen has a colour, else 3.
+    pub(crate) surface_channels: usize,
+    pub(crate) exponential: BatchExponential,
     /// Log blockers.
-    table: Arc<BlockerTable>,
-    form: FormFactorTable,
+    pub(crate) table: Arc<BlockerTable>,
+    pub(crate) form: FormFactorTable,
     /// Clamped cosine over π by band, times the rotation's factor: ρ_n.
-    cosine: Vec<f32>,
-    walk: Walk,
-    order: Order,
-    intersections: Intersections,
+    pub(crate) cosine: Vec<f32>,
+    pub(crate) walk: Walk,
+    pub(crate) order: Order,
+    pub(crate) intersections: Intersections,
     /// Per emitter: the spheres of all objects, level by level.
-    surfaces: Vec<Arc<SphereSurface>>,
+    pub(crate) surfaces: Vec<Arc<SphereSurface>>,
     /// The object of each emitter.
-    owners: Vec<u32>,
+    pub(crate) owners: Vec<u32>,
     /// The spheres of the same object and level that each one intersects.
-    neighbours: Vec<Vec<u32>>,
-    pub(super) points: SamplePoints,
-    emitters: Emitters,
+    pub(crate) neighbours: Vec<Vec<u32>>,
 }
 
-/// Where light is gathered for the spheres.
-#[derive(Debug, Clone, Default)]
-pub(super) struct SamplePoints {
-    /// White receivers in world space.
-    pub(super) receivers: ReceiverBuffer,
-    /// The emitter that each belongs to.
-    pub(super) emitters: Vec<u32>,
-}
-
-impl Reflections {
+impl ReflectionTables {
     /// For `scene` with `bounces` bounces, at least 1.
-    pub(super) fn new(
+    pub(crate) fn new(
         scene: &Scene,
         settings: &Settings,
         bounces: usize,
         exponential: BatchExponential,
         table: Arc<BlockerTable>,
-        levels: &mut Hierarchies,
+        hierarchies: &mut Hierarchies,
     ) -> Self {
         let bands = exponential.bands();
         let covered = match settings.intersections {
@@ -87,11 +60,11 @@ impl Reflections {
             object.sphere_count == 0 && !ground_is_seen || grey_surface && !textured
         });
         let surface_channels = if colourless { 1 } else { 3 };
-        let geodesic = geodesic::Geodesic::new(bands, settings.sample_divisions);
+        let geodesic = Geodesic::new(bands, settings.sample_divisions);
         let (mut surfaces, mut owners, mut neighbours) = (Vec::new(), Vec::new(), Vec::new());
         let mut known: Vec<(&Object, Vec<Arc<SphereSurface>>)> = Vec::new();
         for (number, object) in scene.objects.iter().enumerate() {
-            let Some(levels) = levels.of(object) else { continue };
+            let Some(levels) = hierarchies.of(object) else { continue };
             for spheres in levels.iter().map(|level| &level.spheres) {
                 let first = owners.len() as u32;
                 owners.extend(spheres.iter().map(|_| number as u32));
@@ -108,7 +81,6 @@ impl Reflections {
             surfaces.extend(own.iter().cloned());
             known.push((object, own));
         }
-        let cosine = zonal::reflectance(bands).into_iter().map(|value| value as f32).collect();
         Self {
             bounces,
             bands,
@@ -117,72 +89,32 @@ impl Reflections {
                 radiance_bands => radiance_bands * radiance_bands,
             },
             surface_channels,
-            channels: surface_channels,
             exponential,
             table,
             form: FormFactorTable::build(settings.form_factor.into()),
-            cosine,
+            cosine: zonal::reflectance(bands).into_iter().map(|value| value as f32).collect(),
             walk: settings.walk,
             order: settings.order,
             intersections: settings.intersections,
             surfaces,
             owners,
             neighbours,
-            points: SamplePoints::default(),
-            emitters: Emitters::default(),
         }
     }
 
-    /// Puts the sample points where they are in `frame`; nothing shines yet.
-    pub(super) fn begin(&mut self, frame: &Frame<'_>, light_is_grey: bool) {
-        self.channels = if light_is_grey { self.surface_channels } else { 3 };
-        let SamplePoints { receivers, emitters } = &mut self.points;
-        emitters::place(&self.surfaces, &self.owners, frame, receivers, emitters);
-        self.emitters = Emitters::default();
-    }
-
-    /// Lets the spheres, turned by `turns` within their objects, shine by the `light` at their sample points.
-    pub(super) fn shine(&mut self, frame: &Frame<'_>, light: &RadianceBuffer, turns: &[DQuat]) {
-        let shape = Shape {
-            bands: self.bands,
-            channels: self.channels,
-            surface_channels: self.surface_channels,
-            used: self.radiance_coefficients,
-        };
-        self.emitters.set(&self.surfaces, &self.owners, frame, &shape, light, turns);
-    }
-
-    /// Whether any sphere shines.
-    pub(super) fn is_dark(&self) -> bool {
-        self.emitters.is_dark()
-    }
-
-    /// How many spheres there are in all levels.
-    pub(super) fn emitter_count(&self) -> usize {
-        self.surfaces.len()
-    }
-
     /// Whether `frame` is of the scene that this was made for, as far as its objects' spheres tell.
-    pub(super) fn fits(&self, frame: &Frame<'_>, levels: &mut Hierarchies) -> bool {
+    pub(crate) fn fits(&self, frame: &Frame<'_>, hierarchies: &mut Hierarchies) -> bool {
         let mut owners = Vec::with_capacity(self.owners.len());
         for (number, object) in frame.scene.objects.iter().enumerate() {
-            let levels = levels.of(object);
+            let levels = hierarchies.of(object);
             owners.extend(levels.iter().flat_map(|levels| &**levels).flat_map(|l| &l.spheres).map(|_| number as u32));
         }
         owners == self.owners
     }
 
-    pub(super) fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         let surface = |s: &Arc<SphereSurface>| size_of_val(s.samples.as_slice()) + size_of_val(s.weights.as_slice());
-        self.surfaces.iter().map(surface).sum::<usize>() + self.emitters.bytes() + self.form.bytes()
-    }
-
-    /// The spheres that don't cover `sphere`, though they may be nearer.
-    fn skipped(&self, sphere: u32) -> &[u32] {
-        match self.intersections {
-            Intersections::Precomputed => &self.neighbours[sphere as usize],
-            Intersections::Ordered => &[],
-        }
+        self.surfaces.iter().map(surface).sum::<usize>() + self.form.bytes()
     }
 }
 

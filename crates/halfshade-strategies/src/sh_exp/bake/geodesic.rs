@@ -13,24 +13,24 @@ const DEGREE: usize = 127;
 
 /// Few directions for sample points, and many for what is projected.
 #[derive(Debug, Clone)]
-pub(super) struct Geodesic {
+pub(crate) struct Geodesic {
     /// Sample directions, unit, nearly even: 10n² + 2 of them.
-    pub(super) samples: Vec<DVec3>,
+    pub(crate) samples: Vec<DVec3>,
     /// The many directions.
-    pub(super) dense: Vec<DenseDirection>,
+    pub(crate) dense: Vec<DenseDirection>,
 }
 
 /// One of many directions.
 #[derive(Debug, Clone)]
-pub(super) struct DenseDirection {
-    pub(super) direction: DVec3,
+pub(crate) struct DenseDirection {
+    pub(crate) direction: DVec3,
     /// The basis there times the direction's solid angle.
-    pub(super) weighted_basis: Vec<f64>,
+    pub(crate) weighted_basis: Vec<f64>,
 }
 
 impl Geodesic {
     /// For vectors of `bands` bands; each edge of an icosahedron is divided into `divisions`.
-    pub(super) fn new(bands: usize, divisions: usize) -> Self {
+    pub(crate) fn new(bands: usize, divisions: usize) -> Self {
         let samples = shapes::sphere(divisions.max(1)).positions.iter().map(|p| p.as_dvec3().normalize()).collect();
         let dense = SphereQuadrature::exact_to(DEGREE)
             .points()
@@ -43,7 +43,7 @@ impl Geodesic {
     }
 
     /// For every dense direction the nearest of the sample directions that `valid` names: its cell. `None` if none is.
-    pub(super) fn cells(&self, valid: &[usize]) -> Option<Vec<usize>> {
+    pub(crate) fn cells(&self, valid: &[usize]) -> Option<Vec<usize>> {
         let nearest = |direction: DVec3| {
             let closeness = |&&sample: &&usize| self.samples[sample].dot(direction);
             valid.iter().max_by(|a, b| closeness(a).total_cmp(&closeness(b))).copied()

@@ -1,0 +1,16 @@
+//! Inner loops: arrays and numbers in, numbers out, eight receivers side by side.
+//!
+//! Receivers are in light space, as the spheres that block are: turned like the environment, about an origin of the
+//! frame's. Visibility is an SH vector per receiver, [`halfshade_sh::kernel::ShBatch`].
+
+pub(crate) mod blocker;
+pub(crate) mod gather;
+pub(crate) mod ground;
+pub(crate) mod light;
+pub(crate) mod log_sum;
+pub(crate) mod product;
+pub(crate) mod shares;
+pub(crate) mod sun;
+pub(crate) mod traced;
+
+pub(crate) use blocker::{Blocker, Blockers, Receivers8};

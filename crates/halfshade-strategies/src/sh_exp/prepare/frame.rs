@@ -1,0 +1,37 @@
+//! Frame data: everything that shading reads of a frame.
+
+use super::{
+    cuts::Cuts, emitters::SamplePoints, ground::GroundView, light::FrameLight, placed::LightSpace, state::FrameState,
+};
+use crate::sh_exp::kernel::gather::RadianceVectors;
+
+/// Spheres and light of a frame.
+#[derive(Debug)]
+pub(crate) struct FrameData {
+    pub(crate) light: FrameLight,
+    pub(crate) space: LightSpace,
+    pub(crate) cuts: Cuts,
+    /// Radiance of every sphere; dark if nothing reflects.
+    pub(crate) radiance: RadianceVectors,
+    /// Points where light is gathered for the spheres.
+    pub(crate) points: SamplePoints,
+    /// Objects without spheres as the others see them, if they are to be seen.
+    pub(crate) ground: Option<GroundView>,
+    /// The state that all this was made for; `None` if it is not finished.
+    pub(crate) state: Option<FrameState>,
+}
+
+impl FrameData {
+    /// Under `light`, without objects.
+    pub(crate) fn new(light: FrameLight) -> Self {
+        Self {
+            light,
+            space: LightSpace::default(),
+            cuts: Cuts::default(),
+            radiance: RadianceVectors::default(),
+            points: SamplePoints::default(),
+            ground: None,
+            state: None,
+        }
+    }
+}

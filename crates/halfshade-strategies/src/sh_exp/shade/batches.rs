@@ -1,0 +1,171 @@
+//! Eight receivers at a time: visibility, then the light that it leaves.
+
+use super::Shader;
+use crate::sh_exp::{
+    bake::{Visibility, ground::GroundTables, reflections::ReflectionTables},
+    kernel::{
+        Blocker, Blockers, Receivers8,
+        gather::{Gather, Radiating},
+        ground::{GroundField, visible_reflectance},
+        log_sum::log_sum,
+        product::product,
+        shares::Exposure,
+        traced::Traced,
+    },
+};
+use halfshade_scene::{RadianceMut, Receivers};
+use halfshade_sh::kernel::{self, LANES, ShBatch};
+use wide::f32x8;
+
+/// Batches of receivers, and the memory that they share.
+pub(super) struct Batches<'a, const N: usize> {
+    shader: Shader<'a>,
+    finder: Finder<'a, N>,
+    /// Where anything radiates: log blockers, and memory.
+    reflections: Option<Reflected<'a, N>>,
+    /// Rows of the rotation into light space.
+    rotation: [f32x8; 9],
+}
+
+/// The way in which visibility is found.
+enum Finder<'a, const N: usize> {
+    Product,
+    Shares(Exposure),
+    Traced(Traced<N>),
+    Exponential(&'a kernel::BatchExponential),
+}
+
+/// The spheres that radiate, and the memory to gather them.
+struct Reflected<'a, const N: usize> {
+    tables: &'a ReflectionTables,
+    radiating: Radiating<'a>,
+    gather: Gather<N>,
+}
+
+impl<'a, const N: usize> Batches<'a, N> {
+    pub(super) fn new(shader: Shader<'a>) -> Self {
+        let Shader { tables, data } = shader;
+        let most = data.cuts.largest();
+        Self {
+            shader,
+            finder: match &tables.visibility {
+                Visibility::Product => Finder::Product,
+                Visibility::Shares { points } => {
+                    Finder::Shares(Exposure::new(*points, most, data.space.blockers_from_light))
+                }
+                Visibility::Traced { directions } => Finder::Traced(Traced::new(directions, most)),
+                Visibility::Exponential(exponential) => Finder::Exponential(exponential),
+            },
+            reflections: (tables.reflections.as_ref()).filter(|_| !data.radiance.is_dark()).map(|tables| Reflected {
+                tables,
+                radiating: shader.radiating(tables),
+                gather: Gather::new(tables.surfaces.len(), most),
+            }),
+            rotation: data.space.rotation.transpose().to_cols_array().map(|value| f32x8::splat(value as f32)),
+        }
+    }
+
+    /// Shades receivers that see the same spheres, and lie on the same object if the ground is seen; `place` says where in
+    /// `out` each one belongs.
+    pub(super) fn shade(
+        &mut self,
+        receivers: Receivers<'_>,
+        list: &[Blocker],
+        out: &mut RadianceMut<'_>,
+        place: impl Fn(usize) -> usize,
+    ) {
+        let Shader { tables, data } = self.shader;
+        let blockers = Blockers { list, table: &tables.blockers, rule: tables.rule };
+        for start in (0..receivers.len()).step_by(LANES) {
+            let lanes = (receivers.len() - start).min(LANES);
+            let load = |values: &[f32]| -> [f32; LANES] {
+                let values = &values[start..start + lanes];
+                values.first_chunk().copied().unwrap_or_else(|| std::array::from_fn(|i| values[i.min(lanes - 1)]))
+            };
+            let position = self.turn(std::array::from_fn(|axis| {
+                // In double precision, because a scene may lie far from the origin.
+                f32x8::from(load(receivers.position[axis]).map(|x| (f64::from(x) - data.space.center[axis]) as f32))
+            }));
+            let normal = self.turn(receivers.normal.map(|axis| f32x8::from(load(axis))));
+            let eight = Receivers8 { position, normal };
+            let visibility = self.visibility(&blockers, &eight);
+            let mut radiance = data.light.by_normal.dot(&normal, &visibility, tables.clamp);
+            self.add_ground(receivers.object[start], &eight, &visibility, &mut radiance);
+            self.add_reflected(&eight, &mut radiance);
+            for (channel, values) in radiance.into_iter().enumerate() {
+                let values = (values * f32x8::from(load(receivers.albedo[channel]))).to_array();
+                for (lane, value) in values.into_iter().enumerate().take(lanes) {
+                    out.channels[channel][place(start + lane)] = value;
+                }
+            }
+        }
+    }
+
+    /// The rotation into light space times a vector.
+    #[inline(always)]
+    fn turn(&self, v: [f32x8; 3]) -> [f32x8; 3] {
+        let m = &self.rotation;
+        std::array::from_fn(|axis| m[3 * axis].mul_add(v[0], m[3 * axis + 1].mul_add(v[1], m[3 * axis + 2] * v[2])))
+    }
+
+    /// V, and on the way the view of all spheres that radiate.
+    #[inline(always)]
+    fn visibility(&mut self, blockers: &Blockers<'_>, receivers: &Receivers8) -> ShBatch<N> {
+        let logs = self.reflections.as_mut().map(|Reflected { tables, radiating, gather }| {
+            gather.see(&Blockers { table: &tables.table, ..*blockers }, radiating, receivers)
+        });
+        match &mut self.finder {
+            Finder::Exponential(exponential) => {
+                exponential.evaluate(&logs.unwrap_or_else(|| log_sum::<N>(blockers, receivers)))
+            }
+            Finder::Product => product::<N>(blockers, receivers),
+            Finder::Traced(traced) => traced.visibility(blockers, receivers),
+            Finder::Shares(exposure) => exposure.visibility::<N>(blockers, receivers),
+        }
+    }
+
+    /// Adds the light of objects without spheres to receivers on `object`, and takes the light away that they block.
+    #[inline(always)]
+    fn add_ground(
+        &self,
+        object: u32,
+        Receivers8 { position, normal }: &Receivers8,
+        visibility: &ShBatch<N>,
+        radiance: &mut [f32x8; 3],
+    ) {
+        let Shader { tables, data } = self.shader;
+        let (Some(ground), Some(GroundTables { cosine, .. })) = (&data.ground, &tables.ground) else { return };
+        let weights = visible_reflectance(normal, cosine, visibility);
+        let of = |fields: &[Option<GroundField>]| {
+            let field = fields.get(object as usize).and_then(Option::as_ref);
+            field.map_or([f32x8::ZERO; 3], |field| field.radiance(position, &weights))
+        };
+        let seen = of(&ground.fields.seen);
+        if !tables.clamp {
+            radiance.iter_mut().zip(seen).for_each(|(sum, value)| *sum += value);
+            return;
+        }
+        let taken = of(&ground.fields.taken);
+        let mut open = [f32x8::ZERO; N];
+        open[0] = f32x8::splat(kernel::FULL);
+        let unshadowed = data.light.by_normal.dot(normal, &open, false);
+        for (channel, sum) in radiance.iter_mut().enumerate() {
+            let direct = (*sum + taken[channel]).max(f32x8::ZERO).min(unshadowed[channel]);
+            *sum = direct + (seen[channel] - taken[channel]).max(f32x8::ZERO);
+        }
+    }
+
+    /// Adds the light that spheres reflect, after [`Self::visibility`].
+    #[inline(always)]
+    fn add_reflected(&mut self, receivers: &Receivers8, radiance: &mut [f32x8; 3]) {
+        let Some(Reflected { radiating, gather, .. }) = &mut self.reflections else { return };
+        let reflected = match &mut self.finder {
+            Finder::Traced(traced) => gather.radiance_of_traced(radiating, &receivers.normal, traced),
+            Finder::Product | Finder::Shares(_) | Finder::Exponential(_) => {
+                gather.radiance(radiating, &receivers.normal)
+            }
+        };
+        let least = f32x8::splat(if self.shader.tables.clamp { 0.0 } else { f32::NEG_INFINITY });
+        radiance.iter_mut().zip(reflected).for_each(|(sum, value)| *sum += value.max(least));
+    }
+}
