@@ -1,5 +1,5 @@
 //! Soft shadows by summing the logarithms of spherical blockers in spherical harmonics, \[Ren2006\] as
-//! [Guerrero2007, 3.5 and 4.2] describes it.
+//! [Guerrero2007, 3.5 and 4.2] describes it, with diffuse reflections [Guerrero2007, 4.3].
 //!
 //! Every object is a set of spheres. A receiver sees each sphere, after the rules for spheres that contain it or cut its
 //! tangent plane, as a cap of some angular radius. The logarithm of the cap's blocker function is a zonal vector from a
@@ -9,13 +9,17 @@
 //! V = exp(Σ log B_s)          L = albedo · L_ρ(n) · V
 //! ```
 //!
-//! `exp=product` multiplies the blockers one after another instead (eq. 4.6), which is what the logarithm approximates.
+//! `exp=product` multiplies the blockers one after another instead (eq. 4.6), which the logarithm approximates.
+//!
+//! **Phases.** `bake`: tables, sphere hierarchies, receiver clusters, colours and sample points of spheres. `prepare`: places
+//! of the spheres, light by normal, cuts through the hierarchies, radiance of the spheres; it ends in plain
+//! data. `shade`: receivers in batches of eight, by the functions in `kernel`.
 //!
 //! **Hierarchy.** `levels=cluster` takes coarser spheres for objects that a cluster of receivers sees from afar, one level
 //! of each object; `levels=tree` goes down the hierarchy sphere by sphere. The log blocker of a parent is
 //! scaled band by band to the sum of its children's at the cluster's centre [Guerrero2007, eq. 4.8, 4.9].
 //!
-//! **Reflections** [Guerrero2007, 4.3]. In scenes that ask for bounces of light, the spheres that block also radiate what
+//! **Reflections.** In scenes that ask for bounces of light, the spheres that block also radiate what
 //! the surface near them reflects. Light at sample points of the surface, times the surface's colours, is an SH vector r
 //! on each sphere; a receiver adds up
 //!
@@ -24,18 +28,19 @@
 //! ```
 //!
 //! with L̃_i the average of r_i over what it sees of the sphere, see [`halfshade_sh::form_factor`], and ρ_n the clamped
-//! cosine over π. As published: `intersections=precomputed,walk=quadratic,projection=product,form-factor=cosine`. The
-//! default takes intersecting spheres in order instead of baking who covers whom, which brings the built-in scenes nearer
-//! to the truth at less cost (`results/thesis-frame-rates`). More bounces repeat the first pass with what the last one
-//! found. `bounces=0` leaves it at shadows. Objects without spheres neither block nor reflect, as published; with
-//! `ground=seen` they do both for all others, see `ground`.
+//! cosine over π. More bounces repeat the first pass with what the last one found. `bounces=0` leaves it at shadows.
 //!
-//! `exp=traced` measures what no way to combine blockers can do better, see `traced`.
+//! **As published** is a preset, `as-published`. The defaults depart from it where scenes came nearer to the truth at no more
+//! cost (`results/thesis-frame-rates`, `results/soft-shadows`): rules for cut spheres and squaring without jumps, a magnitude
+//! limit that falls with the bands, leaves instead of clusters, intersecting spheres taken in order instead of baking who covers
+//! whom. Objects without spheres neither block nor reflect, as published; with `ground=seen` they do both for all others,
+//! see `prepare/ground.rs`.
 //!
-//! Two variants of shadows go beyond the papers. `exp=quadratic` replaces the optimal-linear form within the hybrid by the first two
+//! **Beyond the papers.** `exp=quadratic` replaces the optimal-linear form within the hybrid by the first two
 //! powers of the series, see [`halfshade_sh::exponential::Method::Quadratic`]. `exp=shares` has no exponential: where k
-//! spheres overlap as the receiver sees them, each is given 1/k of the direction, and V is 1 minus the caps times their
-//! shares, found at `points` points per sphere, see [`halfshade_sh::kernel::ExposedShares`].
+//! spheres overlap as the receiver sees them, each is given 1/k of the direction, and V is 1 less the caps times their
+//! shares, found at `points` points per sphere, see [`halfshade_sh::kernel::ExposedShares`]. `exp=traced` measures what no way to
+//! combine blockers can do better, see `kernel/traced.rs`.
 //!
 //! **Bounds.** The exponential holds V to what a function with values in [0, 1] can be: `0 ≤ V_0 ≤ √4π` and
 //! `|V|² ≤ √4π V_0`. What arrives directly is therefore finite and at most `|L_ρ(n)| √4π` in magnitude; for constant light
@@ -43,24 +48,19 @@
 //! with the same V, or differences of such, and come on top; what is taken is affine in the place and may be less than
 //! nothing. Ringing is reported, not hidden, unless `clamp=on` holds what arrives directly, less what the ground takes,
 //! between 0 and the unshadowed value, and every part that is reflected at 0 or more: with `bounces=0` radiance lies
-//! between 0 and unshadowed, with more it isn't below 0. What the method leaves in practice is in the tests.
+//! between 0 and unshadowed, with more it isn't below 0. `tests/sh_exp/stability.rs` holds the method to all that.
 //!
 //! **Limits.** Distant light only. Few bands blur shadows: the sun's shadow is as wide as the last band. Products and
 //! exponentials multiply overlapping blockers as if band-limited functions were exact, which leaves dense sets too bright
-//! or too dark: two thousand equal spheres overhead, which leave a quarter of a constant sky's light open, come out too
-//! bright by up to 0.35 of the unshadowed, or black. Shares err by 0.01 there, and on a bunny of 64 spheres at 2 bands
-//! by 0.016 where the hybrid errs by 0.21; they cost about 11 times the hybrid's time there (all 64 overlap), in the
-//! built-in scenes 1.8 to 2.8 times at 4 bands and 0.4 to 0.7 times at 6 (`results/soft-shadows`).
+//! or too dark; shares don't, and cost more at few bands (`results/soft-shadows`).
 //!
 //! **Continuity.** As published, the hybrid steps where |f̂| passes the magnitude limit times a power of two and it squares
-//! once more: by 0.01 of the unshadowed at 4 and 6 bands with limit 1 and by 0.04 at 8. `squaring=continuous` blends that
-//! away, see [`Exponential::blended`], for one squaring. Nothing steps then under `rule=continuous`. But where a sphere
-//! grows so large that an eigenvalue of its blocker meets the clip, its logarithm is steep: `optimal-linear` changes by
-//! 0.06 over less than a thousandth of a sphere's width, which is the method's nature.
+//! once more. `squaring=continuous` blends that away, see [`halfshade_sh::exponential::Exponential::blended`], for one
+//! squaring. Nothing steps then under `rule=continuous`. But where a sphere grows so large that an eigenvalue of its blocker
+//! meets the clip, its logarithm is steep, and `optimal-linear` with it: that is the method's nature.
 //!
 //! **Magnitude limit.** \[Guerrero2007\] has none that depends on bands. One that doesn't makes the hybrid's error rise from
-//! 6 bands on (limit 1, a bunny of 64 spheres under a constant sky against the same spheres: 0.028 at 4 bands, 0.052 at 6,
-//! 0.098 at 8); with 8/bands² it falls: 0.026, 0.020, 0.019.
+//! 6 bands on; with 8/bands² it falls. `ExponentialForm::default_magnitude_limit` says why.
 
 mod bake;
 mod kernel;

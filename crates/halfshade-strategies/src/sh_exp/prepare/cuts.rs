@@ -110,7 +110,7 @@ impl Cuts {
             let mut centers = Vec::new();
             for cluster in clusters.followed(frame.deformed(number)) {
                 let (place, radius) = placed(&cluster.bound, pose);
-                let place = space.from_world(place);
+                let place = space.light_from_world(place);
                 let normal = space.rotation * (pose.rotation.as_dquat() * cluster.normal);
                 let cut = cut(place, radius);
                 centers.push(place.as_vec3());
@@ -191,7 +191,7 @@ impl Cuts {
         let of_cluster = |i: usize| {
             let clusters = self.clusters.get(receivers.object[i] as usize)?;
             let cluster = clusters.object.of(receivers.surface[i]).or_else(|| {
-                let position = space.from_world(receivers.position_at(i).as_dvec3());
+                let position = space.light_from_world(receivers.position_at(i).as_dvec3());
                 clusters.nearest(position.as_vec3())
             });
             Some(clusters.first_cut + cluster?)

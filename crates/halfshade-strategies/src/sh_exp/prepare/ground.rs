@@ -23,7 +23,9 @@ use crate::sh_exp::{
     kernel::ground::GroundField,
 };
 use glam::{DQuat, DVec3, Vec3};
-use halfshade_scene::{Frame, RadianceBuffer, ReceiverBuffer, light::DistantLight, mesh};
+use halfshade_scene::{
+    Frame, Gloss, RadianceBuffer, ReceiverBuffer, ReceiverPoint, SurfacePoint, light::DistantLight, mesh,
+};
 use halfshade_sh::{basis, lat_long};
 use rayon::prelude::*;
 
@@ -98,9 +100,7 @@ impl GroundView {
         for (object, middle, axes, places) in seen {
             for (place, met) in places.into_iter().enumerate() {
                 for (direction, other, crossing) in met {
-                    let (position, normal) = surface_point(frame, other, &crossing);
-                    let albedo = scene.objects[other].albedo_at(crossing.triangle, crossing.weights);
-                    self.points.push(position, normal, albedo, other as u32);
+                    self.points.add(&receiver_at(frame, other, &crossing));
                     self.met.push([object as u32, place as u32, direction]);
                 }
             }
@@ -229,10 +229,20 @@ fn box_of(frame: &Frame<'_>, object: usize) -> Option<(DVec3, [DVec3; 3])> {
     (half.min_element() > 0.0 && middle.is_finite()).then_some((middle, axes))
 }
 
-/// Position and normal, in world space, of a point of an object at rest.
-fn surface_point(frame: &Frame<'_>, object: usize, crossing: &Crossing) -> (Vec3, Vec3) {
-    let (mesh, pose) = (&frame.scene.objects[object].mesh, &frame.world_from_object[object]);
-    let blend = |list: &[Vec3]| mesh.interpolated(list, crossing.triangle, crossing.weights);
-    let normal = blend(&mesh.normals).normalize_or(DVec3::Y).as_vec3();
-    (pose.transform_point(blend(&mesh.positions).as_vec3()), pose.transform_direction(normal))
+/// A point of an object at rest, as a receiver in world space.
+fn receiver_at(frame: &Frame<'_>, number: usize, crossing: &Crossing) -> ReceiverPoint {
+    let (object, pose) = (&frame.scene.objects[number], &frame.world_from_object[number]);
+    let &Crossing { triangle, weights, .. } = crossing;
+    let blend = |list: &[Vec3]| object.mesh.interpolated(list, triangle, weights);
+    let normal = blend(&object.mesh.normals).normalize_or(DVec3::Y).as_vec3();
+    let barycentric = weights.as_vec3().to_array();
+    ReceiverPoint {
+        position: pose.transform_point(blend(&object.mesh.positions).as_vec3()),
+        normal: pose.transform_direction(normal),
+        albedo: object.albedo_at(triangle, weights),
+        gloss: Gloss::NEUTRAL,
+        object: number as u32,
+        // From behind nothing is met.
+        surface: SurfacePoint::Triangle { triangle: triangle as u32, barycentric, from_behind: false },
+    }
 }

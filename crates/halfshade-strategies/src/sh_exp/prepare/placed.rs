@@ -74,7 +74,7 @@ impl PlacedSpheres {
         let leaves = objects.iter().flat_map(|object| &object.spheres[0]);
         let space = LightSpace::new(frame, origin_of(leaves.map(|(center, _)| *center)));
         for (place, _) in objects.iter_mut().flat_map(|object| &mut object.spheres).flatten() {
-            *place = space.from_world(*place);
+            *place = space.light_from_world(*place);
         }
         Ok(Self { objects, turns, space })
     }
@@ -90,7 +90,7 @@ impl LightSpace {
     }
 
     /// A point of world space.
-    pub(crate) fn from_world(&self, point: DVec3) -> DVec3 {
+    pub(crate) fn light_from_world(&self, point: DVec3) -> DVec3 {
         self.rotation * (point - self.center)
     }
 }

@@ -28,6 +28,7 @@ pub(super) struct Batches<'a, const N: usize> {
 }
 
 /// The way in which visibility is found.
+#[expect(clippy::large_enum_variant, reason = "there is one for a whole call")]
 enum Finder<'a, const N: usize> {
     Product,
     Shares(Exposure),
