@@ -86,7 +86,7 @@ impl Effects {
         Effect::ALL.into_iter().filter(move |&effect| self.contains(effect))
     }
 
-    /// What `self` lacks of `required`.
+    /// The effects of `required` that `self` lacks.
     pub const fn missing(self, required: Self) -> Self {
         Self(required.0 & !self.0)
     }
@@ -96,7 +96,7 @@ impl Effects {
         self.0 == 0
     }
 
-    /// What `scene` requires; nothing more, so that nobody pays for what isn't there.
+    /// The effects that `scene` requires and no more, so that nobody pays for what isn't there.
     pub fn required_by(scene: &Scene) -> Self {
         let mut effects = Vec::new();
         let (dark, base_grey) = match &scene.environment.base {

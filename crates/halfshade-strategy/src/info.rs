@@ -15,7 +15,7 @@ pub struct Info {
     pub parameters: Vec<Parameter>,
     /// Values under one name: `as-published` for whoever has departed from its paper.
     pub presets: &'static [Preset],
-    /// What it can model.
+    /// Effects that it can model.
     pub effects: Effects,
 }
 

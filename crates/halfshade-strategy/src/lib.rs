@@ -1,4 +1,4 @@
-//! What a strategy is: the trait, its parameters, the effects it models, and the contract every strategy passes.
+//! The definition of a strategy: the trait, its parameters, the effects it models, and the contract every strategy passes.
 
 pub mod contract;
 pub mod effects;

@@ -71,7 +71,7 @@ pub enum Batching {
 /// A list of figures under a name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Detail {
-    /// What they are.
+    /// Name of the figures, with their unit.
     pub name: String,
     /// The figures, in an order that the name tells.
     pub values: Vec<f64>,

@@ -14,3 +14,20 @@ pub fn strategies(cache: &Cache) -> Vec<Box<dyn Strategy>> {
         Box::new(CosineLobe),
     ]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Presets are settings that the strategy takes, and change something.
+    #[test]
+    fn every_preset_can_be_set() {
+        for info in strategies(&Cache::disabled()).iter().map(|strategy| strategy.info()) {
+            for preset in info.presets {
+                let params = info.parse(preset.name).unwrap_or_else(|error| panic!("{}: {error}", info.name));
+                assert_ne!(params, info.defaults(), "{}: {}", info.name, preset.name);
+                assert_eq!(params, info.parse(preset.settings).unwrap(), "{}: {}", info.name, preset.name);
+            }
+        }
+    }
+}

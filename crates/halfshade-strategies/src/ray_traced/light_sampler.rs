@@ -214,7 +214,7 @@ impl AliasTable {
                 small.push(rich);
             }
         }
-        // What is left differs from 1 by rounding.
+        // The rest differs from 1 by rounding.
         small.into_iter().chain(large).for_each(|i| cells[i].0 = 1.0);
         Self { cells, sum }
     }

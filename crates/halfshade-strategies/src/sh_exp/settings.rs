@@ -75,7 +75,7 @@ choice! {
 }
 
 choice! {
-    /// What spheres of one object count for that cover each other.
+    /// Weight of spheres of one object that cover each other.
     pub(crate) enum Overlap {
         /// each in full: a direction behind k spheres is blocked k times [Guerrero2007, eq. 4.7]
         Independent = "independent",
@@ -159,7 +159,7 @@ choice! {
 }
 
 choice! {
-    /// What becomes of objects without spheres.
+    /// Treatment of objects without spheres.
     pub(crate) enum GroundMode {
         /// ignored by all others
         Ignored = "ignored",

@@ -1,10 +1,10 @@
-//! The parameter `rule`: what becomes of spheres that cut a receiver's tangent plane.
+//! The parameter `rule`: treatment of spheres that cut a receiver's tangent plane.
 
 use halfshade_scene::spheres::AdjustRule;
 use halfshade_strategy::choice;
 
 choice! {
-    /// What becomes of spheres that cut a receiver's tangent plane.
+    /// Treatment of spheres that cut a receiver's tangent plane.
     pub(crate) enum Rule for AdjustRule {
         /// one formula before and behind the plane
         Continuous = "continuous",

@@ -1,4 +1,4 @@
-//! What several methods need and neither `halfshade-scene` nor `halfshade-sh` can have: each does without the other, and
+//! Code that several methods need and neither `halfshade-scene` nor `halfshade-sh` can have: each does without the other, and
 //! without rays.
 
 pub(crate) mod adjustment;

@@ -27,7 +27,7 @@ fn shade(strategy: &dyn Strategy, settings: &str, scene: &Scene, receivers: &Rec
     shaded(strategy, scene, &scene.frame(0), receivers, settings)
 }
 
-/// What is open of the sky at the foot of a wall of half width `w` and height `h`, at distance `d` in front of its middle: 1
+/// The open part of the sky at the foot of a wall of half width `w` and height `h`, at distance `d` in front of its middle: 1
 /// less the form factor of a rectangle at right angles.
 fn open(w: f64, h: f64, d: f64) -> f64 {
     let far = h.hypot(d);

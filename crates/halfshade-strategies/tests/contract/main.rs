@@ -43,12 +43,7 @@ contract_tests!(sh_exp_tree, ShExp, "bounces=0,levels=tree", RINGING);
 contract_tests!(sh_exp_reflections, ShExp, "", RINGING);
 contract_tests!(sh_exp_over_ground, ShExp, "ground=seen", RINGING);
 contract_tests!(sh_exp_traced, ShExp, "exp=traced,directions=512", Bounds { rotation: 0.05, ..RINGING });
-contract_tests!(
-    sh_exp_reflections_as_published,
-    ShExp,
-    "intersections=precomputed,reflection-exp=hybrid,walk=quadratic,projection=product,form-factor=cosine,levels=cluster,bands=3",
-    RINGING
-);
+contract_tests!(sh_exp_as_published, ShExp, "as-published,bands=3", RINGING);
 contract_tests!(sh_exp_reflections_precomputed, ShExp, "intersections=precomputed,order=power", RINGING);
 
 /// Four bands of everything: the clamped cosine alone is off by a twentieth of its peak, which a lamp shows, most where its
@@ -94,12 +89,7 @@ contract_tests!(
 /// A light's lobe is wider than the light, and a lobe for each leaf is wider than the leaf.
 const WIDE_LOBES: Bounds = Bounds { constant: 1e-5, quadrature: 0.3, gloss: 0.3, rotation: 0.2, brightening: 0.2 };
 
-contract_tests!(
-    cosine_lobe_as_published,
-    CosineLobe,
-    "order=published,leaves=aggressive,fit=least-squares,product=published",
-    WIDE_LOBES
-);
+contract_tests!(cosine_lobe_as_published, CosineLobe, "as-published", WIDE_LOBES);
 contract_tests!(
     cosine_lobe_by_solid_angles,
     CosineLobe,

@@ -165,7 +165,7 @@ fn turned_and_scaled_objects_reflect_alike() {
     assert!(red > 1.01 * green, "{red} {green}");
 }
 
-/// What nothing reflects costs nothing and changes nothing.
+/// Black surfaces cost nothing and change nothing.
 #[test]
 fn black_objects_change_no_bit() {
     let scene = scene(vec![ball(Vec3::new(0.0, 1.3, 0.0), 1.0, Vec3::ZERO)], 2);
@@ -327,7 +327,7 @@ fn sunken() -> Scene {
     scene(objects, 0)
 }
 
-/// What `clamp=on` promises, whatever else is chosen.
+/// The promise of `clamp=on`, whatever else is chosen.
 #[test]
 fn clamped_light_stays_between_nothing_and_unshadowed() {
     let dim = Environment::map(

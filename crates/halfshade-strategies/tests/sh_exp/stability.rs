@@ -113,7 +113,7 @@ fn angular_radii_from_a_millionth_to_a_right_angle() {
     });
 }
 
-/// What an upward receiver at the origin gets of a constant sky, exactly but for the grid of directions: the share of its
+/// A constant sky's light at an upward receiver at the origin, exactly but for the grid of directions: the share of its
 /// irradiance that `spheres` leave open; and with `flat`, of all directions, below the horizon too, as one band sees it.
 fn open(spheres: &[Sphere], flat: bool) -> f32 {
     let (turns, heights) = (128, 64);
@@ -136,7 +136,7 @@ fn open(spheres: &[Sphere], flat: bool) -> f32 {
     if flat { 1.0 - 0.5 * share } else { 1.0 - share }
 }
 
-/// What follows for `exp=shares` under constant light: the cosine's coefficients past the last band times √π, which is as
+/// The bound that follows for `exp=shares` under constant light: the cosine's coefficients past the last band times √π, which is as
 /// much as a visibility varies by; and 0.02 for counting at 8 points where caps lie.
 fn shares_tolerance(settings: &str) -> f32 {
     let bands: usize = (1..=8).find(|bands| settings.contains(&format!("bands={bands},"))).unwrap();

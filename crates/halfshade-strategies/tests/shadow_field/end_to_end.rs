@@ -61,7 +61,7 @@ fn rms(a: &[f32], b: &[f32]) -> f64 {
     (squares / a.len() as f64).sqrt()
 }
 
-/// What a ball wholly above the horizon leaves of constant light: `1 - sin²θ cos γ`.
+/// Constant light that a ball wholly above the horizon leaves: `1 - sin²θ cos γ`.
 fn closed_form(receivers: &ReceiverBuffer) -> Vec<f32> {
     let visible = |i| {
         let offset = 2.0 * Vec3::Y - receivers.view().position_at(i);
@@ -90,7 +90,7 @@ fn a_ball_shades_a_plane_as_the_closed_form_says() {
     }
 }
 
-/// What fields interpolate comes to what rays find at the receivers themselves as the sampling grows.
+/// Interpolated fields converge to what rays find at the receivers themselves as the sampling grows.
 #[test]
 fn fields_converge_to_rays() {
     let scene = ball_over_plane();

@@ -11,11 +11,11 @@ pub struct Bounds {
     pub gloss: f32,
     /// Between a scene and the same scene turned with everything in it.
     pub rotation: f32,
-    /// Of a receiver's radiance upwards when a blocker is added.
+    /// Rise of a receiver's radiance when a blocker is added.
     pub brightening: f32,
 }
 
-/// What went wrong, with the numbers.
+/// A clause that doesn't hold, with the numbers.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{0}")]
 pub struct Violation(pub(super) String);

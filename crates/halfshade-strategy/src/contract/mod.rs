@@ -1,4 +1,4 @@
-//! What every strategy must do, as functions that a test calls and a macro that makes one named test of each.
+//! Clauses that every strategy must keep, as functions that a test calls and a macro that makes one named test of each.
 //!
 //! The reference values come from quadrature over directions written here, so that no code is shared with what is tested.
 

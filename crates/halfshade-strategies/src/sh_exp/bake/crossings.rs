@@ -54,7 +54,7 @@ impl Crossings {
 
     /// Calls `each` for all crossings of the ray from `origin` along unit `direction`, in no particular order.
     ///
-    /// Of a ray through an edge both triangles may answer, and rarely none: the boxes' rays are in single precision.
+    /// At an edge both triangles may answer, and rarely none: the boxes' rays are in single precision.
     pub(crate) fn along(&self, origin: DVec3, direction: DVec3, mut each: impl FnMut(Crossing)) {
         if self.mesh.triangles.is_empty() {
             return;

@@ -49,7 +49,7 @@ struct Known {
 }
 
 impl Hierarchies {
-    /// Of every object of `scene`, ahead of its first frame.
+    /// The levels of every object of `scene`, ahead of its first frame.
     pub(crate) fn new(scene: &Scene, overlap: Overlap, branching: Option<usize>) -> Self {
         let mut levels = Self { overlap, branching, known: Vec::new() };
         for object in &scene.objects {

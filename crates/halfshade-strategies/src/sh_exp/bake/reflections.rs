@@ -51,7 +51,7 @@ impl ReflectionTables {
             Intersections::Precomputed => Covered::Black,
             Intersections::Ordered => Covered::Kept,
         };
-        // What has no spheres colours the light of those that have, if they see it.
+        // Objects without spheres colour the light of those that have some, if they are seen.
         let ground_is_seen = settings.ground == GroundMode::Seen;
         let colourless = scene.objects.iter().all(|object| {
             let textured = object.material.texture.is_some() || !object.mesh.textures.is_empty();

@@ -1,4 +1,4 @@
-//! What the spheres of an object know of its surface [Guerrero2007, 4.3.1]: sample points, and colours.
+//! The surface of an object as its spheres know it [Guerrero2007, 4.3.1]: sample points, and colours.
 //!
 //! Every point of the surface belongs to the sphere of least radius-scaled distance `|p - x|/r` (eq. 4.10). A ray from a
 //! sphere's centre sees of the surface's inside
@@ -28,7 +28,7 @@ use halfshade_scene::{Object, Sphere};
 use halfshade_sh::product::product;
 use rayon::prelude::*;
 
-/// What a sphere shows where another covers it.
+/// The colour of a sphere where another covers it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Covered {
     /// Nothing [Guerrero2007, 4.3.1].
@@ -46,7 +46,7 @@ pub(crate) struct SphereSurface {
     pub(crate) weights: Vec<f32>,
 }
 
-/// What a ray from a sphere's centre sees.
+/// The point that a ray from a sphere's centre sees.
 struct Seen {
     point: DVec3,
     crossing: Crossing,
@@ -144,7 +144,7 @@ pub(crate) fn surfaces(
                     surface.weights.extend(vector.iter().map(|&value| value as f32));
                 }
             }
-            // What reflects nothing needs no light.
+            // A black surface needs no light.
             if surface.weights.iter().all(|&weight| weight == 0.0) { SphereSurface::default() } else { surface }
         })
         .collect()

@@ -312,7 +312,7 @@ impl<const N: usize> Gather<N> {
 
     /// Σ L̃_i Ṽ_i where every sphere finds what the nearer ones leave: one exponential per sphere.
     fn handed_on(&mut self, exponential: &BatchExponential, brdf: &ShBatch<N>) -> [f32x8; 3] {
-        // What is left after each entry takes the place of its key, which has done its work.
+        // The light left after each entry takes the place of its key, which has done its work.
         for place in 0..self.entries.len() {
             let after = plus(&self.running_sum(place, &[]), &self.entries[place].log);
             self.entries[place].key = exponential.evaluate_dot(&after, brdf);

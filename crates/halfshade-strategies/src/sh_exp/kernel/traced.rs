@@ -21,7 +21,7 @@ use wide::f32x8;
 pub(crate) struct Traced<const N: usize> {
     /// Unit, in light space, with the basis there times w.
     directions: Vec<([f32; 3], [f32; N])>,
-    /// What the receivers see, with the cosine of its angular radius; above 1 in a lane that doesn't see it.
+    /// The receivers' view on each sphere, with the cosine of its angular radius; above 1 in a lane that doesn't see it.
     seen: Vec<(Seen, f32x8)>,
     parts: Vec<f32x8>,
 }

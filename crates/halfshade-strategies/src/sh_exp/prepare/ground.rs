@@ -185,7 +185,7 @@ impl GroundView {
         self.environment = Some(base.clone());
     }
 
-    /// What is met from a place in world space: direction, object, and where on it.
+    /// Surfaces met from a place in world space: direction, object, and where on it.
     fn met_from(
         &self,
         tables: &GroundTables,

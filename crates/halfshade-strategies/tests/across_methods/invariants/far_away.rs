@@ -1,4 +1,4 @@
-//! What is far away takes no digit of what is near: neither objects nor lamps, whoever of them comes first.
+//! Far things take no digit of near ones: neither objects nor lamps, whoever of them comes first.
 
 use super::scenes::{apart, at, ball, lamp, lights, models, some_vertices, still_life, variants};
 use glam::Vec3;

@@ -15,7 +15,7 @@ fn truth(scene: &Scene, receivers: &ReceiverBuffer, samples: usize) -> RadianceB
     estimate(&Tracer::new(&scene.frame(0)), receivers.view(), &options, &Silent).radiance
 }
 
-/// What a constant environment gives, shadows of blockers included; off the middle, and also where things shine.
+/// The light of a constant environment, shadows of blockers included; off the middle, and also where things shine.
 #[test]
 fn a_lamp_around_the_scene_is_a_constant_environment() {
     let radiance = Vec3::new(1.0, 0.5, 0.0);

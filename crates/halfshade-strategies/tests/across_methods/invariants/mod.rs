@@ -1,4 +1,4 @@
-//! What must not matter, for every strategy and every kind of light: which number a receiver has, how strong light is
+//! Invariants of every strategy under every kind of light: which number a receiver has, how strong light is
 //! and in which unit lengths are, whether light comes from a lamp around everything or from afar, and who else is
 //! there.
 

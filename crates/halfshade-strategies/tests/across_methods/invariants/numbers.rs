@@ -35,7 +35,7 @@ fn a_pixel_at_a_vertex_is_what_the_vertex_is() {
     }
 }
 
-/// What a camera sees through the centres of its pixels.
+/// The receivers that a camera sees through the centres of its pixels.
 fn pixels(scene: &Scene, resolution: [u32; 2]) -> ReceiverBuffer {
     let frame = scene.frame(0);
     let tracer = Tracer::new(&frame);

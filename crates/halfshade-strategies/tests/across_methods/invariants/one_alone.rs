@@ -30,7 +30,7 @@ fn assert_same(a: &RadianceBuffer, b: &RadianceBuffer, place: &str) {
     assert!(worst < if place.contains("share=") { 0.2 } else { 1e-3 }, "{place}: {worst}");
 }
 
-/// What shines shines as if all did, and nobody else is changed by it.
+/// A glossy object looks as it does where all are glossy, and changes no other.
 #[test]
 fn one_glossy_object_among_many() {
     // Under all lights at once.

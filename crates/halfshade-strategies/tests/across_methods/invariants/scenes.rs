@@ -16,7 +16,7 @@ use std::{cell::RefCell, sync::Arc};
 pub(super) struct Variant {
     pub(super) strategy: Box<dyn Strategy>,
     pub(super) settings: &'static str,
-    /// Of rays, relative to the mean: how far two estimates of the same may be apart.
+    /// Distance that two estimates of the same by rays may have, relative to the mean.
     pub(super) noise: f32,
     /// Baked for the objects of [`still_life`].
     known: RefCell<Option<Box<dyn Baked>>>,
