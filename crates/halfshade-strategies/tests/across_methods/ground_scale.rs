@@ -2,24 +2,15 @@
 
 use glam::{Quat, Vec3};
 use halfshade_scene::{
-    Environment, Material, Mesh, Motion, Object, Pose, RadianceBuffer, ReceiverBuffer, Scene, SphereLight,
-    builtin::shapes, progress::Silent,
+    Environment, Mesh, Motion, Object, Pose, RadianceBuffer, ReceiverBuffer, Scene, SphereLight, builtin::shapes,
+    progress::Silent,
 };
 use halfshade_strategies::{RayTraced, ShadowField};
 use halfshade_strategy::{Params, Strategy};
-use std::{f64::consts::TAU, sync::Arc};
+use std::f64::consts::TAU;
 
 fn object(mesh: Mesh, pose: Pose) -> Object {
-    Object {
-        name: "object".into(),
-        mesh: Arc::new(mesh),
-        material: Material::default(),
-        sphere_count: 0,
-        spheres: None,
-        cluster_count: 1,
-        motion: Motion::Still(pose),
-        skin: None,
-    }
+    Object::new("object", mesh).cluster_count(1).pose(pose)
 }
 
 fn shade(strategy: &dyn Strategy, settings: &str, scene: &Scene, receivers: &ReceiverBuffer) -> RadianceBuffer {

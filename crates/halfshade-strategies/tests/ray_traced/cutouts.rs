@@ -2,24 +2,15 @@
 
 use glam::{Vec2, Vec3};
 use halfshade_scene::{
-    Environment, Material, Mesh, Motion, Object, Pose, RadianceBuffer, ReceiverBuffer, Scene, Texture, builtin::shapes,
-    mesh::AlphaMask, progress::Silent, texture::Wrap,
+    Environment, Mesh, Object, Pose, RadianceBuffer, ReceiverBuffer, Scene, Texture, builtin::shapes, mesh::AlphaMask,
+    progress::Silent, texture::Wrap,
 };
 use halfshade_strategies::ray_traced::RayTraced;
 use halfshade_strategy::{Params, Strategy};
 use std::{f64::consts::PI, sync::Arc};
 
 fn object(mesh: Mesh, pose: Pose) -> Object {
-    Object {
-        name: "object".into(),
-        mesh: Arc::new(mesh),
-        material: Material::new(Vec3::ONE),
-        sphere_count: 0,
-        spheres: None,
-        cluster_count: 0,
-        motion: Motion::Still(pose),
-        skin: None,
-    }
+    Object::new("object", mesh).albedo(Vec3::ONE).pose(pose)
 }
 
 /// The square |x|, |z| ≤ 1, of which a mask leaves x < 0.

@@ -6,12 +6,11 @@
 
 use glam::Vec3;
 use halfshade_scene::{
-    Environment, Material, Mesh, Motion, Object, Pose, RadianceBuffer, ReceiverBuffer, Scene, Sphere, SphereSet,
-    progress::Silent,
+    Environment, Mesh, Object, RadianceBuffer, ReceiverBuffer, Scene, Sphere, SphereSet, progress::Silent,
 };
 use halfshade_strategies::ShExp;
 use halfshade_strategy::{Baked, Params, Strategy};
-use std::{f32::consts::FRAC_PI_2, sync::Arc};
+use std::f32::consts::FRAC_PI_2;
 
 const VARIANTS: [&str; 8] = [
     "exp=product",
@@ -29,16 +28,7 @@ const BOUND: f32 = 1.633;
 
 fn scene(environment: Environment, spheres: &[Sphere]) -> Scene {
     let set = SphereSet { spheres: spheres.to_vec(), ..SphereSet::default() };
-    let object = Object {
-        name: "spheres".into(),
-        mesh: Arc::new(Mesh::default()),
-        material: Material::default(),
-        sphere_count: spheres.len(),
-        spheres: Some(Arc::new(set)),
-        cluster_count: 0,
-        motion: Motion::Still(Pose::IDENTITY),
-        skin: None,
-    };
+    let object = Object::new("spheres", Mesh::default()).spheres(set);
     Scene::at_rest("spheres", vec![object], environment)
 }
 

@@ -2,8 +2,8 @@
 
 use glam::{Quat, Vec3};
 use halfshade_scene::{
-    Cache, Environment, Material, Mesh, Motion, Object, Pose, Progress, RadianceBuffer, ReceiverBuffer, Scene,
-    SphereLight, builtin::shapes, progress::Silent,
+    Cache, Environment, Mesh, Motion, Object, Pose, Progress, RadianceBuffer, ReceiverBuffer, Scene, SphereLight,
+    builtin::shapes, progress::Silent,
 };
 use halfshade_strategies::ShadowField;
 use halfshade_strategy::{Baked, Params, Strategy};
@@ -13,16 +13,7 @@ use std::sync::{Arc, Mutex};
 const SMALL: [&str; 2] = ["shells=12,resolution=16,map=32", "basis=haar,face=16,shells=12,resolution=16"];
 
 fn object(name: &str, mesh: Mesh, pose: Pose) -> Object {
-    Object {
-        name: name.into(),
-        mesh: Arc::new(mesh),
-        material: Material::default(),
-        sphere_count: 0,
-        spheres: None,
-        cluster_count: 0,
-        motion: Motion::Still(pose),
-        skin: None,
-    }
+    Object::new(name, mesh).pose(pose)
 }
 
 fn at(translation: Vec3) -> Pose {
