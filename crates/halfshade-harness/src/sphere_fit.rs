@@ -10,9 +10,7 @@
 
 use crate::{errors::Reference, metrics::compare, weights::ReceiverWeights};
 use glam::Vec3;
-use halfshade_scene::{
-    Environment, Material, Mesh, Motion, Object, Pose, Progress, ReceiverBuffer, Scene, SphereSet, spheres::AdjustRule,
-};
+use halfshade_scene::{Environment, Mesh, Object, Progress, ReceiverBuffer, Scene, SphereSet, spheres::AdjustRule};
 use halfshade_truth::{Estimate, Geometry, Options, Tracer, estimate};
 use std::sync::Arc;
 
@@ -37,16 +35,7 @@ pub fn ground_shadow_errors<const N: usize>(
     if !(side > 0.0 && side.is_finite()) {
         return None;
     }
-    let object = Object {
-        name: "mesh".into(),
-        mesh: mesh.clone(),
-        material: Material::default(),
-        sphere_count: set.spheres.len(),
-        spheres: Some(Arc::new(set.clone())),
-        cluster_count: 0,
-        motion: Motion::Still(Pose::IDENTITY),
-        skin: None,
-    };
+    let object = Object::new("mesh", mesh.clone()).spheres(set.clone());
     let scene = Scene::at_rest("ground", vec![object], Environment::constant(Vec3::ONE));
     let mut receivers = ReceiverBuffer::default();
     let middle = 0.5 * (min + max);

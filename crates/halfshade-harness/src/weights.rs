@@ -110,21 +110,11 @@ fn double_area(a: DVec3, b: DVec3, c: DVec3) -> f64 {
 mod tests {
     use super::*;
     use glam::Vec3;
-    use halfshade_scene::{Environment, Material, Mesh, Motion, Object, Pose, Scene};
-    use std::sync::Arc;
+    use halfshade_scene::{Environment, Mesh, Object, Pose, Scene};
 
     fn scene(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>, scale: f32) -> Scene {
         let mesh = Mesh { normals: vec![Vec3::Y; positions.len()], positions, triangles, ..Mesh::default() };
-        let object = Object {
-            name: "object".into(),
-            mesh: Arc::new(mesh),
-            material: Material::default(),
-            sphere_count: 0,
-            spheres: None,
-            cluster_count: 0,
-            motion: Motion::Still(Pose { scale, ..Pose::IDENTITY }),
-            skin: None,
-        };
+        let object = Object::new("object", mesh).pose(Pose { scale, ..Pose::IDENTITY });
         Scene::at_rest("test", vec![object], Environment::constant(Vec3::ONE))
     }
 

@@ -6,7 +6,6 @@ use std::path::Path;
 /// The UTF-8 byte-order mark.
 pub const MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// A TOML file as a whole, in which lines end with a line feed, with or without a carriage return before it. Errors name
 /// A TOML file as a whole, lines ending in line feeds, whatever ended them. Errors name the file.
 pub fn read(path: &Path) -> Result<String, SceneError> {
     let bytes = input::read(path).map_err(|error| SceneError::new(format!("cannot be read: {error}")).in_file(path))?;

@@ -30,16 +30,7 @@ fn body(name: &str, center: Vec3, spheres: usize, material: &Material) -> Object
     let radius = 0.55;
     let spheres: Vec<Sphere> =
         spiral(spheres).map(|direction| Sphere { center: center + radius * direction, radius: 0.07 }).collect();
-    Object {
-        name: name.into(),
-        mesh: Arc::new(Mesh::default()),
-        material: material.clone(),
-        sphere_count: spheres.len(),
-        spheres: Some(Arc::new(SphereSet { spheres, ..SphereSet::default() })),
-        cluster_count: 0,
-        motion: Motion::Still(Pose::IDENTITY),
-        skin: None,
-    }
+    Object::new(name, Mesh::default()).material(material.clone()).spheres(SphereSet { spheres, ..SphereSet::default() })
 }
 
 fn scene(spheres: usize, reflectance: Reflectance) -> (Scene, ReceiverBuffer) {

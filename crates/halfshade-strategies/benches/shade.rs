@@ -8,8 +8,8 @@ mod plain;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
 use halfshade_scene::{
-    Environment, Mesh, Motion, Object, Pose, RadianceBuffer, RadianceMut, ReceiverBuffer, Receivers, Scene, Sphere,
-    SphereSet, builtin, progress::Silent,
+    Environment, Mesh, Object, RadianceBuffer, RadianceMut, ReceiverBuffer, Receivers, Scene, Sphere, SphereSet,
+    builtin, progress::Silent,
 };
 use halfshade_strategies::ShExp;
 use halfshade_strategy::{Baked, Prepared, Strategy};
@@ -30,14 +30,13 @@ fn bunny_like() -> (Scene, ReceiverBuffer) {
         .collect();
     let mut scene = builtin::scene("one-sphere").expect("built in");
     scene.environment = Environment::constant(Vec3::ONE);
-    scene.objects = vec![Object {
-        name: "shell".into(),
-        mesh: Arc::new(Mesh::default()),
-        spheres: Some(Arc::new(SphereSet { spheres, ..SphereSet::default() })),
-        sphere_count: 64,
-        motion: Motion::Still(Pose::IDENTITY),
-        ..scene.objects[0].clone()
-    }];
+    let Object { material, cluster_count, .. } = scene.objects[0].clone();
+    scene.objects = vec![
+        Object::new("shell", Mesh::default())
+            .material(material)
+            .spheres(SphereSet { spheres, ..SphereSet::default() })
+            .cluster_count(cluster_count),
+    ];
     let mut receivers = ReceiverBuffer::default();
     for i in 0..RECEIVERS {
         let place = |step: f64| ((i as f64 * step).fract() as f32 - 0.5) * 4.0;

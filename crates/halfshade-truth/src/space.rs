@@ -104,6 +104,8 @@ impl TracingSpace {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64Mcg;
 
     /// Every number of single precision in the box comes back as it was, wherever the box lies.
     #[test]
@@ -118,9 +120,9 @@ mod tests {
         ];
         for (min, max) in boxes {
             let space = TracingSpace::around(min.as_dvec3(), max.as_dvec3());
-            for i in 0..1000_u32 {
-                let mix = |axis: u32| (i.wrapping_mul(2_654_435_761).rotate_left(9 * axis) >> 8) as f32 / 16_777_216.0;
-                let point = min + (max - min) * Vec3::new(mix(0), mix(1), mix(2));
+            let mut random = Pcg64Mcg::seed_from_u64(1);
+            for _ in 0..1000 {
+                let point = min + (max - min) * Vec3::from_array(random.random());
                 let traced = space.point(point.as_dvec3());
                 assert_eq!(space.point_in_world(traced).as_vec3(), point);
                 assert!(f64::from(traced.length()) < TracingSpace::bounding_radius(), "{point}");

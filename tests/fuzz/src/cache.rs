@@ -7,8 +7,8 @@ use halfshade_harness::{
     reference::{Accuracy, ReferenceTracer},
 };
 use halfshade_scene::{
-    Cache, Environment, Material, Mesh, Motion, Object, Pose, ReceiverBuffer, Scene, SphereSet, builtin::shapes,
-    progress::Silent, spheres::BuildOptions,
+    Cache, Environment, Mesh, Object, ReceiverBuffer, Scene, SphereSet, builtin::shapes, progress::Silent,
+    spheres::BuildOptions,
 };
 use halfshade_strategy::Params;
 use std::{
@@ -69,17 +69,7 @@ fn tetrahedron() -> Mesh {
 }
 
 fn scene(mesh: Mesh) -> Scene {
-    let object = Object {
-        name: "x".into(),
-        mesh: Arc::new(mesh),
-        material: Material::default(),
-        sphere_count: 0,
-        spheres: None,
-        cluster_count: 0,
-        motion: Motion::Still(Pose::IDENTITY),
-        skin: None,
-    };
-    Scene::at_rest("x", vec![object], Environment::constant(Vec3::ONE))
+    Scene::at_rest("x", vec![Object::new("x", mesh)], Environment::constant(Vec3::ONE))
 }
 
 fn spheres(folder: &Path) {

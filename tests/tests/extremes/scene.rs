@@ -128,17 +128,11 @@ impl Drawn {
 const UNIT: Sphere = Sphere { center: Vec3::ZERO, radius: 1.0 };
 
 fn object(name: &str, mesh: &Arc<halfshade_scene::Mesh>, spheres: &[Sphere], motion: Motion) -> Object {
-    let set = (!spheres.is_empty()).then(|| Arc::new(SphereSet { spheres: spheres.to_vec(), ..SphereSet::default() }));
-    Object {
-        name: name.into(),
-        mesh: mesh.clone(),
-        material: Material::default(),
-        sphere_count: spheres.len(),
-        spheres: set,
-        cluster_count: 0,
-        motion,
-        skin: None,
+    let object = Object::new(name, mesh.clone()).motion(motion);
+    if spheres.is_empty() {
+        return object;
     }
+    object.spheres(SphereSet { spheres: spheres.to_vec(), ..SphereSet::default() })
 }
 
 fn still(scale: f32, translation: Vec3) -> Motion {

@@ -86,6 +86,8 @@ mod tests {
     use super::*;
     use glam::{DMat3, DQuat};
     use proptest::prelude::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64Mcg;
     use std::f64::consts::TAU;
 
     fn cut(corners: &[Vec3]) -> (Vec<[u32; 3]>, bool) {
@@ -193,11 +195,8 @@ mod tests {
         let spiral =
             |i: usize, width: f64| polar(1.0 + 20.0 * i as f64 / half as f64 + width, 20.0 * i as f64 / half as f64);
         let corridor = (0..half).map(|i| spiral(i, 0.4)).chain((0..half).rev().map(|i| spiral(i, 0.0)));
-        let mut state = 1_u64;
-        let rough = (0..count).map(|i| {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            polar(0.5 + (state >> 40) as f64 / (1 << 25) as f64, i as f64 / count as f64)
-        });
+        let mut random = Pcg64Mcg::seed_from_u64(1);
+        let rough = (0..count).map(|i| polar(random.random_range(0.5..1.0), i as f64 / count as f64));
         [comb.collect::<Vec<_>>(), star.collect(), corridor.collect(), rough.collect()]
             .iter()
             .map(|p| flat(p))

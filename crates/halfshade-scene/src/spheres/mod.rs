@@ -9,9 +9,11 @@ mod cover;
 mod enclosing;
 mod follow;
 mod hierarchy;
+mod normalized;
 mod overlap;
 mod points;
 mod polish;
+mod scene;
 mod solid;
 mod variational;
 

@@ -18,6 +18,8 @@ pub mod transform;
 #[cfg(test)]
 mod tests {
     use super::{cube::Cube, product, transform};
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64Mcg;
 
     /// A basis function at a texel by its definition, from the texel's place on the face.
     fn basis(levels: u32, index: usize, [column, row]: [f64; 2]) -> f64 {
@@ -56,13 +58,9 @@ mod tests {
             .collect()
     }
 
-    fn noise(seed: u32, count: usize) -> Vec<f32> {
-        let mut state = seed;
-        let mut next = || {
-            state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
-            (state >> 8) as f32 / (1 << 24) as f32 - 0.5
-        };
-        (0..count).map(|_| next()).collect()
+    fn noise(seed: u64, count: usize) -> Vec<f32> {
+        let mut random = Pcg64Mcg::seed_from_u64(seed);
+        (0..count).map(|_| random.random_range(-0.5..0.5)).collect()
     }
 
     #[test]

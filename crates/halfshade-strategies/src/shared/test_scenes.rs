@@ -1,7 +1,7 @@
 //! Scenes for unit tests.
 
 use glam::Vec3;
-use halfshade_scene::{Environment, Material, Mesh, Motion, Object, Pose, Scene, Sphere, SphereSet, builtin::shapes};
+use halfshade_scene::{Environment, Mesh, Object, Pose, Scene, Sphere, SphereSet, builtin::shapes};
 use std::sync::Arc;
 
 /// No objects.
@@ -17,15 +17,11 @@ pub(crate) fn with_spheres(environment: Environment, spheres: &[Sphere]) -> Scen
     let mut scene = empty(environment);
     scene.objects = spheres
         .iter()
-        .map(|sphere| Object {
-            name: "sphere".into(),
-            mesh: mesh.clone(),
-            material: Material::default(),
-            sphere_count: 1,
-            spheres: Some(set.clone()),
-            cluster_count: 1,
-            motion: Motion::Still(Pose { scale: sphere.radius, ..Pose::from_translation(sphere.center) }),
-            skin: None,
+        .map(|sphere| {
+            Object::new("sphere", mesh.clone())
+                .spheres(set.clone())
+                .cluster_count(1)
+                .pose(Pose { scale: sphere.radius, ..Pose::from_translation(sphere.center) })
         })
         .collect();
     scene

@@ -6,8 +6,7 @@
 use crate::common;
 use glam::{DVec2, Vec3};
 use halfshade_scene::{
-    Environment, Material, Motion, Object, Pose, RadianceBuffer, ReceiverBuffer, Scene, Sphere, SphereLight, SphereSet,
-    Texture,
+    Environment, Motion, Object, Pose, RadianceBuffer, ReceiverBuffer, Scene, Sphere, SphereLight, SphereSet, Texture,
     builtin::shapes,
     light::{DistantLight, EnvironmentMap, Sun},
 };
@@ -17,16 +16,8 @@ use std::sync::Arc;
 
 fn object(name: &str, mesh: halfshade_scene::Mesh, spheres: usize, pose: Pose) -> Object {
     let set = SphereSet { spheres: vec![Sphere { center: Vec3::ZERO, radius: 1.0 }], ..SphereSet::default() };
-    Object {
-        name: name.into(),
-        mesh: Arc::new(mesh),
-        material: Material::new(Vec3::splat(0.8)),
-        sphere_count: spheres,
-        spheres: (spheres > 0).then(|| Arc::new(set)),
-        cluster_count: 1,
-        motion: Motion::Still(pose),
-        skin: None,
-    }
+    let object = Object::new(name, mesh).albedo(Vec3::splat(0.8)).cluster_count(1).pose(pose);
+    if spheres > 0 { object.spheres(set) } else { object }
 }
 
 /// Two grey balls over a grey ground under a grey sky, with two bounces.

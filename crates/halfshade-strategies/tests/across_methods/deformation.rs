@@ -3,12 +3,11 @@
 use crate::common;
 use glam::{Affine3A, Vec3};
 use halfshade_scene::{
-    Cache, Frame, Joint, Motion, Object, Pose, RadianceBuffer, ReceiverBuffer, Scene, Skin, builtin, progress::Silent,
+    Cache, Frame, Joint, Object, Pose, RadianceBuffer, ReceiverBuffer, Scene, Skin, builtin, progress::Silent,
 };
 use halfshade_strategies::{ray_traced::RayTraced, sh_exp::ShExp};
 use halfshade_strategy::Strategy;
 use halfshade_truth::{Geometry, Options, Tracer, estimate};
-use std::sync::Arc;
 
 fn built(name: &str, bounces: usize) -> Scene {
     let mut scene = builtin::scene(name).unwrap();
@@ -21,11 +20,7 @@ fn by_skeletons(scene: &Scene) -> Scene {
     let by_skeleton = |object: &Object| {
         let joint = Joint { parent: None, motion: object.motion.clone(), joint_from_rest: Affine3A::IDENTITY };
         let influences = vec![[(0, 1.0), (0, 0.0), (0, 0.0), (0, 0.0)]; object.mesh.positions.len()];
-        Object {
-            motion: Motion::Still(Pose::IDENTITY),
-            skin: Some(Arc::new(Skin { joints: vec![joint], influences, ..Skin::default() })),
-            ..object.clone()
-        }
+        object.clone().pose(Pose::IDENTITY).skin(Skin { joints: vec![joint], influences, ..Skin::default() })
     };
     Scene { objects: scene.objects.iter().map(by_skeleton).collect(), ..scene.clone() }
 }

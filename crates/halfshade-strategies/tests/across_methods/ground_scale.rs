@@ -11,16 +11,7 @@ use halfshade_strategy::Strategy;
 use std::{f64::consts::TAU, sync::Arc};
 
 fn object(mesh: Mesh, pose: Pose) -> Object {
-    Object {
-        name: "object".into(),
-        mesh: Arc::new(mesh),
-        material: Material::default(),
-        sphere_count: 0,
-        spheres: None,
-        cluster_count: 1,
-        motion: Motion::Still(pose),
-        skin: None,
-    }
+    Object::new("object", mesh).cluster_count(1).pose(pose)
 }
 
 fn shade(strategy: &dyn Strategy, settings: &str, scene: &Scene, receivers: &ReceiverBuffer) -> RadianceBuffer {

@@ -3,7 +3,7 @@
 use crate::common;
 use glam::{Quat, Vec3};
 use halfshade_scene::{
-    Environment, Material, Motion, Object, Pose, RadianceBuffer, ReceiverBuffer, Reflectance, Scene, Sphere, SphereSet,
+    Environment, Object, RadianceBuffer, ReceiverBuffer, Reflectance, Scene, Sphere, SphereSet,
     builtin::shapes,
     light::{EnvironmentMap, Sun},
     progress::Silent,
@@ -11,22 +11,16 @@ use halfshade_scene::{
 };
 use halfshade_strategies::CosineLobe;
 use halfshade_truth::{Geometry, Options, Tracer, Transport, estimate};
-use std::sync::Arc;
 
 /// A ground without spheres, and an object of these.
 fn scene(environment: Environment, spheres: &[Sphere]) -> Scene {
-    let object = |spheres: &[Sphere]| Object {
-        name: "object".into(),
-        mesh: Arc::new(shapes::plane(1)),
-        material: Material::default(),
-        sphere_count: spheres.len(),
-        spheres: (!spheres.is_empty())
-            .then(|| Arc::new(SphereSet { spheres: spheres.to_vec(), ..SphereSet::default() })),
-        cluster_count: 1,
-        motion: Motion::Still(Pose::IDENTITY),
-        skin: None,
+    let object = Object::new("object", shapes::plane(1)).cluster_count(1);
+    let with_spheres = if spheres.is_empty() {
+        object.clone()
+    } else {
+        object.clone().spheres(SphereSet { spheres: spheres.to_vec(), ..SphereSet::default() })
     };
-    let mut scene = Scene::at_rest("environment", vec![object(&[]), object(spheres)], environment);
+    let mut scene = Scene::at_rest("environment", vec![object, with_spheres], environment);
     scene.camera.eye = Vec3::new(0.0, 2.0, 5.0);
     scene
 }

@@ -11,23 +11,14 @@ use halfshade_scene::{
 use halfshade_strategies::CosineLobe;
 use halfshade_strategy::{Detail, Strategy};
 use std::f64::consts::{PI, TAU};
-use std::sync::Arc;
 
 const LIGHT: SphereLight = SphereLight { center: Vec3::new(0.5, 3.0, -0.4), radius: 0.6, radiance: Vec3::splat(10.0) };
 
 const PUBLISHED: &str = "order=published,leaves=aggressive,fit=least-squares,product=published";
 
 fn object(material: Material, set: Option<SphereSet>) -> Object {
-    Object {
-        name: "object".into(),
-        mesh: Arc::new(shapes::plane(1)),
-        material,
-        sphere_count: set.as_ref().map_or(0, |set| set.spheres.len()),
-        spheres: set.map(Arc::new),
-        cluster_count: 1,
-        motion: Motion::Still(Pose::IDENTITY),
-        skin: None,
-    }
+    let object = Object::new("object", shapes::plane(1)).material(material).cluster_count(1);
+    if let Some(set) = set { object.spheres(set) } else { object }
 }
 
 /// Object 0 has no spheres, object 1 all of them.

@@ -11,16 +11,7 @@ use halfshade_strategy::Strategy;
 use std::{f64::consts::PI, sync::Arc};
 
 fn object(mesh: Mesh, pose: Pose) -> Object {
-    Object {
-        name: "object".into(),
-        mesh: Arc::new(mesh),
-        material: Material::new(Vec3::ONE),
-        sphere_count: 0,
-        spheres: None,
-        cluster_count: 0,
-        motion: Motion::Still(pose),
-        skin: None,
-    }
+    Object::new("object", mesh).albedo(Vec3::ONE).pose(pose)
 }
 
 /// The square |x|, |z| ≤ 1, of which a mask leaves x < 0.

@@ -14,16 +14,11 @@ use std::sync::Arc;
 
 fn ball(center: Vec3, radius: f32, albedo: Vec3) -> Object {
     let set = SphereSet { spheres: vec![Sphere { center: Vec3::ZERO, radius: 1.0 }], ..SphereSet::default() };
-    Object {
-        name: "ball".into(),
-        mesh: Arc::new(shapes::sphere(20)),
-        material: Material::new(albedo),
-        sphere_count: 1,
-        spheres: Some(Arc::new(set)),
-        cluster_count: 1,
-        motion: Motion::Still(Pose { scale: radius, ..Pose::from_translation(center) }),
-        skin: None,
-    }
+    Object::new("ball", shapes::sphere(20))
+        .albedo(albedo)
+        .spheres(set)
+        .cluster_count(1)
+        .pose(Pose { scale: radius, ..Pose::from_translation(center) })
 }
 
 fn scene(objects: Vec<Object>, bounces: usize) -> Scene {
@@ -241,16 +236,11 @@ fn ratios_of_reflections_were_decided_by_experiment() {
 
 /// A white sphere mesh of radius 1 about (0, 1.2, 0) that any spheres stand for, scaled about the origin and moved.
 fn stood_for(spheres: Vec<Sphere>, albedo: f32, scale: f32, shift: Vec3) -> Scene {
-    let object = Object {
-        name: "object".into(),
-        mesh: Arc::new(shapes::sphere(12)),
-        material: Material::new(Vec3::splat(albedo)),
-        sphere_count: spheres.len(),
-        spheres: Some(Arc::new(SphereSet { spheres, ..SphereSet::default() })),
-        cluster_count: 2,
-        motion: Motion::Still(Pose { scale, ..Pose::from_translation(scale * (1.2 * Vec3::Y) + shift) }),
-        skin: None,
-    };
+    let object = Object::new("object", shapes::sphere(12))
+        .albedo(Vec3::splat(albedo))
+        .spheres(SphereSet { spheres, ..SphereSet::default() })
+        .cluster_count(2)
+        .pose(Pose { scale, ..Pose::from_translation(scale * (1.2 * Vec3::Y) + shift) });
     scene(vec![object], 3)
 }
 

@@ -29,16 +29,7 @@ const BOUND: f32 = 1.633;
 
 fn scene(environment: Environment, spheres: &[Sphere]) -> Scene {
     let set = SphereSet { spheres: spheres.to_vec(), ..SphereSet::default() };
-    let object = Object {
-        name: "spheres".into(),
-        mesh: Arc::new(Mesh::default()),
-        material: Material::default(),
-        sphere_count: spheres.len(),
-        spheres: Some(Arc::new(set)),
-        cluster_count: 0,
-        motion: Motion::Still(Pose::IDENTITY),
-        skin: None,
-    };
+    let object = Object::new("spheres", Mesh::default()).spheres(set);
     Scene::at_rest("spheres", vec![object], environment)
 }
 

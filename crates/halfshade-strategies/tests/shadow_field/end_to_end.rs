@@ -14,16 +14,7 @@ use std::sync::{Arc, Mutex};
 const SMALL: [&str; 2] = ["shells=12,resolution=16,map=32", "basis=haar,face=16,shells=12,resolution=16"];
 
 fn object(name: &str, mesh: Mesh, pose: Pose) -> Object {
-    Object {
-        name: name.into(),
-        mesh: Arc::new(mesh),
-        material: Material::default(),
-        sphere_count: 0,
-        spheres: None,
-        cluster_count: 0,
-        motion: Motion::Still(pose),
-        skin: None,
-    }
+    Object::new(name, mesh).pose(pose)
 }
 
 fn at(translation: Vec3) -> Pose {

@@ -2,7 +2,7 @@
 
 use glam::{Quat, Vec3};
 use halfshade_scene::{
-    Environment, Frame, Material, Motion, Object, Pose, ReceiverBuffer, Scene, Sphere, SphereLight, SphereSet,
+    Environment, Frame, Motion, Object, Pose, ReceiverBuffer, Scene, Sphere, SphereLight, SphereSet,
     builtin::shapes,
     light::{DistantLight, EnvironmentMap, Sun},
 };
@@ -10,16 +10,8 @@ use std::sync::Arc;
 
 /// A speck far below everything, which belongs to every receiver and blocks nothing.
 fn speck() -> Object {
-    Object {
-        name: "speck".into(),
-        mesh: Arc::new(shapes::plane(1)),
-        material: Material::default(),
-        sphere_count: 0,
-        spheres: None,
-        cluster_count: 0,
-        motion: Motion::Still(Pose { scale: 1e-3, ..Pose::from_translation(Vec3::new(0.0, -40.0, 0.0)) }),
-        skin: None,
-    }
+    Object::new("speck", shapes::plane(1))
+        .pose(Pose { scale: 1e-3, ..Pose::from_translation(Vec3::new(0.0, -40.0, 0.0)) })
 }
 
 /// A speck and unit spheres, moved and scaled; mesh and sphere set are the same but for the mesh's facets.
@@ -28,15 +20,10 @@ pub(super) fn spheres(environment: Environment, spheres: &[Sphere]) -> Scene {
     let unit = SphereSet { spheres: vec![Sphere { center: Vec3::ZERO, radius: 1.0 }], ..SphereSet::default() };
     let set = Arc::new(unit);
     let mut objects = vec![speck()];
-    objects.extend(spheres.iter().enumerate().map(|(number, sphere)| Object {
-        name: format!("sphere {number}"),
-        mesh: mesh.clone(),
-        material: Material::default(),
-        sphere_count: 1,
-        spheres: Some(set.clone()),
-        cluster_count: 0,
-        motion: Motion::Still(Pose { scale: sphere.radius, ..Pose::from_translation(sphere.center) }),
-        skin: None,
+    objects.extend(spheres.iter().enumerate().map(|(number, sphere)| {
+        Object::new(format!("sphere {number}"), mesh.clone())
+            .spheres(set.clone())
+            .pose(Pose { scale: sphere.radius, ..Pose::from_translation(sphere.center) })
     }));
     Scene::at_rest("contract", objects, environment)
 }

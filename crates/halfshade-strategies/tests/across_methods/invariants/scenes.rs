@@ -3,8 +3,8 @@
 use crate::common::{baked, shade};
 use glam::{Quat, Vec3};
 use halfshade_scene::{
-    Camera, Environment, Material, Mesh, Motion, Object, Pose, RadianceBuffer, ReceiverBuffer, Reflectance, Scene,
-    Sphere, SphereLight, SphereSet,
+    Camera, Environment, Mesh, Motion, Object, Pose, RadianceBuffer, ReceiverBuffer, Reflectance, Scene, Sphere,
+    SphereLight, SphereSet,
     builtin::shapes,
     light::{DistantLight, EnvironmentMap, Sun},
 };
@@ -78,16 +78,8 @@ pub(super) fn fields_and_lobes() -> Vec<Variant> {
 }
 
 pub(super) fn object(mesh: Mesh, set: Option<SphereSet>, pose: Pose) -> Object {
-    Object {
-        name: "object".into(),
-        mesh: Arc::new(mesh),
-        material: Material::new(Vec3::splat(0.8)),
-        sphere_count: set.as_ref().map_or(0, |set| set.spheres.len()),
-        spheres: set.map(Arc::new),
-        cluster_count: 1,
-        motion: Motion::Still(pose),
-        skin: None,
-    }
+    let object = Object::new("object", mesh).albedo(Vec3::splat(0.8)).cluster_count(1).pose(pose);
+    if let Some(set) = set { object.spheres(set) } else { object }
 }
 
 /// A ball whose spheres are exact up to its facets.
