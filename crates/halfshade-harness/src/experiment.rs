@@ -42,16 +42,18 @@
 //! bands = [2, 3, 4]
 //! ```
 
-use crate::{HarnessError, Weighting, file_names::is_folder_name, threads::MAX_THREADS};
-use halfshade_scene::{camera::check_resolution, text};
-use halfshade_truth::MAX_SAMPLES;
-use serde::{Deserialize, Deserializer, Serialize, de::Error as _};
+mod fields;
+mod kinds;
+
+pub use kinds::{ReceiverKind, ReferenceKind};
+
+use crate::{HarnessError, Weighting};
+use halfshade_scene::text;
+use serde::{Deserialize, Serialize};
 use std::{
     collections::BTreeMap,
-    fmt,
     num::{NonZeroU32, NonZeroUsize},
     path::{Path, PathBuf},
-    str::FromStr,
 };
 use toml::Spanned;
 
@@ -60,18 +62,18 @@ use toml::Spanned;
 #[serde(deny_unknown_fields)]
 pub struct Experiment {
     /// Short name: of the output folder, of tables.
-    #[serde(deserialize_with = "folder_name")]
+    #[serde(deserialize_with = "fields::folder_name")]
     pub name: String,
     /// The claim it tests.
     pub claim: String,
     /// Frames of every scene that doesn't say otherwise.
-    #[serde(default = "first_frame", deserialize_with = "distinct")]
+    #[serde(default = "first_frame", deserialize_with = "fields::distinct")]
     pub frames: Vec<usize>,
     /// Which points are scored.
-    #[serde(default = "vertices", deserialize_with = "distinct")]
+    #[serde(default = "vertices", deserialize_with = "fields::distinct")]
     pub receivers: Vec<ReceiverKind>,
     /// References that strategies are compared with.
-    #[serde(default = "mesh_only", deserialize_with = "distinct")]
+    #[serde(default = "mesh_only", deserialize_with = "fields::distinct")]
     pub references: Vec<ReferenceKind>,
     /// Weights of vertices.
     #[serde(default = "area")]
@@ -114,14 +116,14 @@ pub struct SceneEntry {
     /// Light for a mesh file: `sky`, `constant` or an image; must be left out otherwise. The scene's name says which.
     pub environment: Option<String>,
     /// Frames, if other than the experiment's.
-    #[serde(default, deserialize_with = "some_distinct")]
+    #[serde(default, deserialize_with = "fields::some_distinct")]
     pub frames: Option<Vec<usize>>,
     /// Diffuse bounces of light, if other than the scene's.
     pub bounces: Option<Spanned<usize>>,
     /// Another view for pictures.
     pub camera: Option<Spanned<View>>,
     /// Leaf spheres in all, if other than the scene's; then the scene's name says so.
-    #[serde(default, deserialize_with = "sphere_count")]
+    #[serde(default, deserialize_with = "fields::sphere_count")]
     pub spheres: Option<NonZeroUsize>,
     /// Published figures to stand beside ours.
     #[serde(default)]
@@ -154,82 +156,15 @@ pub struct Published {
     pub frames_per_sec: f64,
 }
 
-/// Which points are scored.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum ReceiverKind {
-    /// Every vertex of every object.
-    Vertices,
-    /// Surface points that the camera sees, one per pixel.
-    Pixels,
-}
-
-impl fmt::Display for ReceiverKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Vertices => "vertices",
-            Self::Pixels => "pixels",
-        })
-    }
-}
-
-/// References by kind: differences between them take a strategy's error apart.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum ReferenceKind {
-    /// `mesh`: the truth itself.
-    Mesh,
-    /// `spheres`: blockers are the sphere sets. What is left is not geometry.
-    Spheres,
-    /// `bands=n`: sphere sets, and the environment limited to n bands of spherical harmonics.
-    /// Strategies whose parameter `bands` has another value are left out.
-    Bands(NonZeroUsize),
-    /// `bands`: as above, n being the strategy's own parameter `bands`; strategies without it are left out.
-    OwnBands,
-}
-
-impl fmt::Display for ReferenceKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Mesh => f.write_str("mesh"),
-            Self::Spheres => f.write_str("spheres"),
-            Self::Bands(n) => write!(f, "bands={n}"),
-            Self::OwnBands => f.write_str("bands"),
-        }
-    }
-}
-
-impl FromStr for ReferenceKind {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text {
-            "mesh" => Ok(Self::Mesh),
-            "spheres" => Ok(Self::Spheres),
-            "bands" => Ok(Self::OwnBands),
-            _ => text
-                .strip_prefix("bands=")
-                .and_then(|n| n.parse().ok())
-                .map(Self::Bands)
-                .ok_or_else(|| format!("unknown reference `{text}`; known: mesh, spheres, bands, bands=N")),
-        }
-    }
-}
-
-impl<'de> Deserialize<'de> for ReferenceKind {
-    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        String::deserialize(deserializer)?.parse().map_err(serde::de::Error::custom)
-    }
-}
-
 /// How exact the truth is: give `samples` or `relative_noise`.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TruthSettings {
     /// Samples per receiver.
-    #[serde(default, deserialize_with = "sample_count")]
+    #[serde(default, deserialize_with = "fields::sample_count")]
     pub samples: Option<NonZeroU32>,
     /// Sample until the root mean square of the standard error is below this fraction of the unshadowed mean.
-    #[serde(default, deserialize_with = "noise")]
+    #[serde(default, deserialize_with = "fields::noise")]
     pub relative_noise: Option<f64>,
     /// Where the samples start from.
     #[serde(default = "one")]
@@ -241,13 +176,13 @@ pub struct TruthSettings {
 #[serde(deny_unknown_fields)]
 pub struct TimingSettings {
     /// Rounds that are thrown away.
-    #[serde(deserialize_with = "round_count")]
+    #[serde(deserialize_with = "fields::round_count")]
     pub warm_up: u32,
     /// Rounds that count.
-    #[serde(deserialize_with = "round_count")]
+    #[serde(deserialize_with = "fields::round_count")]
     pub repeats: NonZeroU32,
     /// Threads; all if left out. `--threads` wins.
-    #[serde(default, deserialize_with = "thread_count")]
+    #[serde(default, deserialize_with = "fields::thread_count")]
     pub threads: Option<NonZeroUsize>,
 }
 
@@ -256,90 +191,12 @@ pub struct TimingSettings {
 #[serde(deny_unknown_fields)]
 pub struct PictureSettings {
     /// Width and height, if other than the camera's.
-    #[serde(default, deserialize_with = "picture_size")]
+    #[serde(default, deserialize_with = "fields::picture_size")]
     pub resolution: Option<[u32; 2]>,
     /// SPECs, if not all.
     pub strategies: Option<Vec<Spanned<String>>>,
     /// Two SPECs whose difference is drawn.
     pub difference: Option<[Spanned<String>; 2]>,
-}
-
-/// Most rounds that are timed, or thrown away before.
-const MAX_ROUNDS: u32 = 10_000;
-
-/// The smallest noise that can be asked for: less is beyond what radiance in 32 bits resolves.
-const MIN_NOISE: f64 = 1e-6;
-
-/// A value that `fits`, or an error that says what is expected; at the line where it stands.
-fn fitting<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
-    deserializer: D,
-    expected: &str,
-    fits: impl FnOnce(&T) -> bool,
-) -> Result<T, D::Error> {
-    T::deserialize(deserializer).ok().filter(fits).ok_or_else(|| D::Error::custom(expected))
-}
-
-/// A list that names something, and nothing twice: every row would be there twice.
-fn distinct<'de, D: Deserializer<'de>, T: Deserialize<'de> + PartialEq>(deserializer: D) -> Result<Vec<T>, D::Error> {
-    let list = Vec::deserialize(deserializer)?;
-    if list.is_empty() {
-        return Err(D::Error::custom("the list is empty: name at least one, or leave it out"));
-    }
-    match (0..list.len()).find(|&place| list[..place].contains(&list[place])) {
-        None => Ok(list),
-        Some(place) => {
-            let problem = format!("entry {} of the list is there already; name each once", place + 1);
-            Err(D::Error::custom(problem))
-        }
-    }
-}
-
-fn some_distinct<'de, D: Deserializer<'de>, T: Deserialize<'de> + PartialEq>(
-    deserializer: D,
-) -> Result<Option<Vec<T>>, D::Error> {
-    distinct(deserializer).map(Some)
-}
-
-fn folder_name<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D::Error> {
-    let expected = "`name` becomes a folder: use up to 80 letters, digits, `-`, `_`, `.`, the first and the last no dot, \
-                    and no name that Windows reserves";
-    fitting(deserializer, expected, |name: &String| is_folder_name(name))
-}
-
-fn sphere_count<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<NonZeroUsize>, D::Error> {
-    /// Bound for all objects together; a single object has its own.
-    const MOST: usize = 100_000;
-    let fits = |count: &NonZeroUsize| count.get() <= MOST;
-    fitting(deserializer, &format!("expected a whole number of spheres from 1 to {MOST}"), fits).map(Some)
-}
-
-fn sample_count<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<NonZeroU32>, D::Error> {
-    let fits = |count: &NonZeroU32| count.get() as usize <= MAX_SAMPLES;
-    fitting(deserializer, &format!("expected a whole number of samples from 1 to {MAX_SAMPLES}"), fits).map(Some)
-}
-
-fn noise<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
-    let expected = format!("`relative_noise` must be positive: from {MIN_NOISE} to 1");
-    fitting(deserializer, &expected, |noise| (MIN_NOISE..=1.0).contains(noise)).map(Some)
-}
-
-fn round_count<'de, D: Deserializer<'de>, T: Deserialize<'de> + Copy + Into<u32>>(
-    deserializer: D,
-) -> Result<T, D::Error> {
-    let fits = |count: &T| (*count).into() <= MAX_ROUNDS;
-    let expected = format!("expected a whole number of rounds, at most {MAX_ROUNDS}, and at least 1 that counts");
-    fitting(deserializer, &expected, fits)
-}
-
-fn thread_count<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<NonZeroUsize>, D::Error> {
-    let fits = |count: &NonZeroUsize| count.get() <= MAX_THREADS;
-    fitting(deserializer, &format!("expected a whole number of threads from 1 to {MAX_THREADS}"), fits).map(Some)
-}
-
-fn picture_size<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<[u32; 2]>, D::Error> {
-    let size: [u32; 2] = Deserialize::deserialize(deserializer)?;
-    check_resolution(size).map_err(D::Error::custom)?;
-    Ok(Some(size))
 }
 
 fn first_frame() -> Vec<usize> {

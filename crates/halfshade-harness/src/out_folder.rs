@@ -5,30 +5,27 @@
 //! truths of an unfinished run, and a lock, which the system takes back even from a run that was killed. None of these may
 //! be a link. There too only that is removed which its name and the list or its first bytes tell to be a run's own.
 
+mod checks;
+mod written;
+
 use crate::{
     HarnessError,
     output::{prepare_folder, temporary_called, write_atomically},
 };
-use halfshade_scene::{Cache, cache, text};
-use serde::{Deserialize, Serialize};
+use checks::{ELSEWHERE, check_folder, check_private, lock};
+use halfshade_scene::{Cache, cache};
 use std::{
-    collections::HashMap,
-    fs::{self, File, OpenOptions, TryLockError},
+    fs::{self, File, OpenOptions},
     io::{ErrorKind, Write},
     path::{Path, PathBuf},
 };
+use written::{Line, Place, SCHEMA, Written, name};
 
 /// Subfolder that a run keeps for itself.
 pub const PRIVATE: &str = ".halfshade";
 
 /// Prefix of a file in the private folder until it is whole. The hash of its content follows, which is listed.
 const UNFINISHED: &str = "unfinished-";
-
-/// The first line of the list of what was written.
-const SCHEMA: &str = "halfshade.written/1";
-
-/// Advice about something that is in the way.
-const ELSEWHERE: &str = "move it away, or choose another folder with --out";
 
 /// A folder that no other run writes into.
 #[derive(Debug)]
@@ -40,27 +37,6 @@ pub struct OutFolder {
     _lock: File,
 }
 
-/// Hashes of all contents that files were given, by path below the folder, with `/`.
-#[derive(Debug, Default)]
-struct Written(HashMap<String, Vec<String>>);
-
-/// A line of the list.
-#[derive(Debug, Serialize, Deserialize)]
-struct Line {
-    path: String,
-    blake3: String,
-}
-
-/// Content of the place where a file is to be written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Place {
-    Free,
-    /// A file that a run wrote.
-    Ours,
-    /// Anything else.
-    Foreign,
-}
-
 impl OutFolder {
     /// Makes `path` the folder of one run that will write the files `planned`, relative to it, and proves that files can
     /// be written there. Nothing is touched if another run is at work there or where something else is in the way of a
@@ -69,7 +45,8 @@ impl OutFolder {
         let private = path.join(PRIVATE);
         check_folder(path)?;
         check_private(&private)?;
-        let known_lock = if private.join("lock").exists() { Some(lock(path)?) } else { None };
+        let lock_file = private.join("lock");
+        let known_lock = if lock_file.exists() { Some(lock(path, &lock_file)?) } else { None };
         let list = private.join("written");
         let written = Written::load(&list)?;
         let mut foreign = Vec::new();
@@ -86,7 +63,7 @@ impl OutFolder {
             return Err(HarnessError::in_file(first, problem));
         }
         prepare_folder(&private)?;
-        let lock = known_lock.map_or_else(|| lock(path), Ok)?;
+        let lock = known_lock.map_or_else(|| lock(path, &lock_file), Ok)?;
         let opened = OpenOptions::new().create(true).append(true).open(&list).and_then(|mut file| {
             let is_new = file.metadata()?.len() == 0;
             // The second ends a line that was cut off when a run was killed.
@@ -184,131 +161,6 @@ impl OutFolder {
             Err(error) if error.kind() == ErrorKind::CrossesDevices => write_atomically(&target, bytes),
             result => result.map_err(fail),
         }
-    }
-}
-
-/// Refuses a place where no folder is or can be made.
-fn check_folder(path: &Path) -> Result<(), HarnessError> {
-    for place in path.ancestors() {
-        let problem = match (fs::symlink_metadata(place), fs::metadata(place)) {
-            (Ok(_), Ok(metadata)) if metadata.is_dir() => return Ok(()),
-            (Ok(metadata), Err(_)) if metadata.is_symlink() => "this is a link that leads to no folder",
-            (Ok(_), _) => "a folder is needed here, and this is none",
-            (Err(error), _) if is_absent(&error) => continue,
-            (Err(source), _) => return Err(HarnessError::io(place, "read", source)),
-        };
-        return Err(HarnessError::in_file(place, format!("{problem}; {ELSEWHERE}")));
-    }
-    Ok(())
-}
-
-/// Refuses a private folder that is none, and what is in the place of something that a run keeps there. Links are not
-/// followed: what they lead to isn't a run's own.
-fn check_private(private: &Path) -> Result<(), HarnessError> {
-    let [lock, list, journal, truths] = ["lock", "written", "journal.jsonl", "truth"].map(|name| private.join(name));
-    for (path, is_folder) in [(private, true), (&lock, false), (&list, false), (&journal, false), (&truths, true)] {
-        match fs::symlink_metadata(path) {
-            Ok(metadata) if if is_folder { metadata.is_dir() } else { metadata.is_file() } => {}
-            Ok(_) => {
-                let kind = if is_folder { "folder" } else { "file" };
-                let problem = format!("a run keeps a {kind} of this name for itself, and this is none; {ELSEWHERE}");
-                return Err(HarnessError::in_file(path, problem));
-            }
-            Err(error) if is_absent(&error) => {}
-            Err(source) => return Err(HarnessError::io(path, "read", source)),
-        }
-    }
-    Ok(())
-}
-
-/// Takes the lock of the folder at `path`, if no other run has it.
-fn lock(path: &Path) -> Result<File, HarnessError> {
-    let file = path.join(PRIVATE).join("lock");
-    let fail = |source| HarnessError::io(&file, "lock", source);
-    let lock = OpenOptions::new().create(true).append(true).open(&file).map_err(fail)?;
-    match lock.try_lock() {
-        Ok(()) => Ok(lock),
-        Err(TryLockError::WouldBlock) => {
-            let problem = "another run is writing into this folder; wait for it, or choose another folder with --out";
-            Err(HarnessError::in_file(path, problem))
-        }
-        // Some network file systems know no locks: then the user must take care.
-        Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => Ok(lock),
-        Err(TryLockError::Error(source)) => Err(fail(source)),
-    }
-}
-
-fn is_absent(error: &std::io::Error) -> bool {
-    // The second: below something that is no folder, which is told when the folder is to be made.
-    matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory)
-}
-
-/// A path below the folder, the same on every system.
-fn name(file: &Path) -> String {
-    file.iter().map(|part| part.to_string_lossy()).collect::<Vec<_>>().join("/")
-}
-
-impl Written {
-    fn load(path: &Path) -> Result<Self, HarnessError> {
-        let bytes = match fs::read(path) {
-            Ok(bytes) => bytes,
-            Err(error) if is_absent(&error) => return Ok(Self::default()),
-            Err(source) => return Err(HarnessError::io(path, "read", source)),
-        };
-        if bytes.is_empty() {
-            return Ok(Self::default());
-        }
-        let text = text::decode(&bytes).map_err(|error| error.in_file(path))?;
-        let mut lines = text.lines();
-        if lines.next() != Some(SCHEMA) {
-            let problem = "not the list of files that this version writes; move it away: what earlier runs wrote is then \
-                           taken for somebody else's";
-            return Err(HarnessError::in_file(path, problem));
-        }
-        let mut written = Self::default();
-        // A line that was damaged or cut off only makes a file look like somebody else's.
-        lines.filter_map(|line| serde_json::from_str(line).ok()).for_each(|line: Line| written.note(&line));
-        Ok(written)
-    }
-
-    /// Whether a file was given content with this hash.
-    fn knows(&self, blake3: &str) -> bool {
-        self.0.values().flatten().any(|known| known == blake3)
-    }
-
-    fn note(&mut self, line: &Line) {
-        let hashes = self.0.entry(line.path.clone()).or_default();
-        if !hashes.contains(&line.blake3) {
-            hashes.push(line.blake3.clone());
-        }
-    }
-
-    /// Looks up what lies at `file` below `folder`.
-    fn place(&self, folder: &Path, file: &Path) -> Result<Place, HarnessError> {
-        let path = folder.join(file);
-        // Folders on the way, which may be links.
-        let above = file.ancestors().skip(1).map(|above| folder.join(above));
-        for above in above {
-            match (fs::symlink_metadata(&above), fs::metadata(&above)) {
-                (Ok(_), Ok(metadata)) if metadata.is_dir() => {}
-                (Ok(_), _) => {
-                    let problem = format!("a folder is needed here, and this is none; {ELSEWHERE}");
-                    return Err(HarnessError::in_file(&above, problem));
-                }
-                (Err(error), _) if is_absent(&error) => {}
-                (Err(source), _) => return Err(HarnessError::io(&above, "read", source)),
-            }
-        }
-        match fs::symlink_metadata(&path) {
-            Ok(_) => {}
-            Err(error) if is_absent(&error) => return Ok(Place::Free),
-            Err(source) => return Err(HarnessError::io(&path, "write", source)),
-        }
-        // Also of a link that leads nowhere it isn't known where it should lead.
-        let Some(hashes) = self.0.get(&name(file)).filter(|_| path.is_file()) else { return Ok(Place::Foreign) };
-        let bytes = fs::read(&path).map_err(|source| HarnessError::io(&path, "read", source))?;
-        let is_ours = hashes.contains(&blake3::hash(&bytes).to_hex().to_string());
-        Ok(if is_ours { Place::Ours } else { Place::Foreign })
     }
 }
 

@@ -20,7 +20,6 @@ pub(crate) fn folder() -> TempDir {
 }
 
 /// Writes a file and the folders that it lies in.
-#[allow(dead_code, reason = "not every test program needs it")]
 pub(crate) fn write(folder: &Path, name: &str, content: impl AsRef<[u8]>) {
     let path = folder.join(name);
     std::fs::create_dir_all(path.parent().expect("a folder")).expect("made");
@@ -28,14 +27,12 @@ pub(crate) fn write(folder: &Path, name: &str, content: impl AsRef<[u8]>) {
 }
 
 /// Standard output of a command that must succeed.
-#[allow(dead_code, reason = "not every test program needs it")]
 pub(crate) fn stdout(command: &mut Command) -> String {
     let output = command.assert().success().get_output().clone();
     String::from_utf8(output.stdout).expect("text")
 }
 
 /// Standard error of a command that must end with status 2, say `error: ..`, and not panic.
-#[allow(dead_code, reason = "not every test program needs it")]
 pub(crate) fn refused(command: &mut Command) -> String {
     let output = command.assert().code(2).get_output().clone();
     let text = String::from_utf8(output.stderr).expect("text");
@@ -44,7 +41,6 @@ pub(crate) fn refused(command: &mut Command) -> String {
 }
 
 /// Names in a folder, in order.
-#[allow(dead_code, reason = "not every test program needs it")]
 pub(crate) fn names(folder: &Path) -> Vec<String> {
     let mut names: Vec<String> = std::fs::read_dir(folder)
         .expect("a folder")

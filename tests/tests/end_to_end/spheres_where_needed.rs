@@ -1,8 +1,6 @@
 //! Sphere sets are built for those who read them: all others need not wait.
 
-mod common;
-
-use common::{folder, halfshade, write};
+use crate::common::{folder, halfshade, write};
 use std::{fs, path::Path};
 
 /// How many sets a cache holds.

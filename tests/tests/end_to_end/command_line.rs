@@ -1,8 +1,6 @@
 //! The command line as a contract: what goes in, what comes out, how mistakes are answered.
 
-mod common;
-
-use common::{folder, halfshade, names, refused, stdout, write};
+use crate::common::{folder, halfshade, names, refused, stdout, write};
 use serde_json::Value;
 use std::{fs, path::Path};
 
@@ -58,6 +56,47 @@ fn lists_name_every_parameter_for_people_and_programs() {
     }
 }
 
+/// Checks the experiment `small.toml` against its own `results` as a baseline, and against damaged ones.
+fn assert_checked(here: &Path, results: &Value) {
+    // The same program finds the same errors; a baseline that was better makes it fail, and says what moved.
+    let check = ["check", "small.toml", "--baseline", "base.json"];
+    fs::copy(here.join("out/small/results.json"), here.join("base.json")).unwrap();
+    let verdict = stdout(halfshade(here).args(check));
+    assert!(verdict.contains("7 errors compared, 0 failed") && !verdict.contains("| "), "{verdict}");
+    let mut better = results.clone();
+    let rmse = better["runs"][1]["error"]["rmse"].as_f64().unwrap();
+    better["runs"][1]["error"]["rmse"] = (0.5 * rmse).into();
+    write(here, "base.json", better.to_string());
+    let failed = halfshade(here).args(check).assert().code(1).get_output().clone();
+    let table = String::from_utf8(failed.stdout).unwrap();
+    assert!(table.contains("FAILED: error grew") && table.contains("1 failed"), "{table}");
+    // A baseline is not taken at its word.
+    let doctored = |change: &dyn Fn(&mut Value)| {
+        let mut baseline = results.clone();
+        change(&mut baseline);
+        write(here, "base.json", baseline.to_string());
+        halfshade(here).args(check).output().unwrap()
+    };
+    let refused_for = |change: &dyn Fn(&mut Value), problem: &str| {
+        let output = doctored(change);
+        let text = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.code() == Some(2) && text.contains("base.json") && text.contains(problem), "{text}");
+    };
+    refused_for(&|it| it["runs"] = Value::Array(Vec::new()), "no errors to compare with");
+    refused_for(&|it| it["runs"][1]["error"]["p99_noise"] = (-1.0).into(), "below 0");
+    refused_for(&|it| it["runs"][1]["receiver_count"] = 3.into(), "the receivers of the baseline are 3");
+    refused_for(&|it| it["runs"][1]["truth"]["samples"] = 1.into(), "the samples of the baseline are 1");
+    let fails: [&dyn Fn(&mut Value); 3] = [
+        &|it| drop(it["runs"].as_array_mut().unwrap().pop()),
+        &|it| (it["runs"][1]["error"]["rmse"], it["runs"][1]["error"]["rmse_noise"]) = (1e-9.into(), 1e9.into()),
+        &|it| it["runs"][1]["error"]["classes"][0]["mae"] = 0.into(),
+    ];
+    for fails in fails {
+        let output = doctored(fails);
+        assert_eq!(output.status.code(), Some(1), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+}
+
 #[test]
 fn an_experiment_runs_checks_reports_and_resumes() {
     let here = folder();
@@ -107,43 +146,7 @@ fn an_experiment_runs_checks_reports_and_resumes() {
     assert!(!linked());
     fs::rename(&pictures[1], &pictures[0]).unwrap();
 
-    // The same program finds the same errors; a baseline that was better makes it fail, and says what moved.
-    let check = ["check", "small.toml", "--baseline", "base.json"];
-    fs::copy(out.join("results.json"), here.path().join("base.json")).unwrap();
-    let verdict = stdout(halfshade(here.path()).args(check));
-    assert!(verdict.contains("7 errors compared, 0 failed") && !verdict.contains("| "), "{verdict}");
-    let mut better = json.clone();
-    let rmse = better["runs"][1]["error"]["rmse"].as_f64().unwrap();
-    better["runs"][1]["error"]["rmse"] = (0.5 * rmse).into();
-    write(here.path(), "base.json", better.to_string());
-    let failed = halfshade(here.path()).args(check).assert().code(1).get_output().clone();
-    let table = String::from_utf8(failed.stdout).unwrap();
-    assert!(table.contains("FAILED: error grew") && table.contains("1 failed"), "{table}");
-    // A baseline is not taken at its word.
-    let doctored = |change: &dyn Fn(&mut Value)| {
-        let mut baseline = json.clone();
-        change(&mut baseline);
-        write(here.path(), "base.json", baseline.to_string());
-        halfshade(here.path()).args(check).output().unwrap()
-    };
-    let refused_for = |change: &dyn Fn(&mut Value), problem: &str| {
-        let output = doctored(change);
-        let text = String::from_utf8(output.stderr).unwrap();
-        assert!(output.status.code() == Some(2) && text.contains("base.json") && text.contains(problem), "{text}");
-    };
-    refused_for(&|it| it["runs"] = Value::Array(Vec::new()), "no errors to compare with");
-    refused_for(&|it| it["runs"][1]["error"]["p99_noise"] = (-1.0).into(), "below 0");
-    refused_for(&|it| it["runs"][1]["receiver_count"] = 3.into(), "the receivers of the baseline are 3");
-    refused_for(&|it| it["runs"][1]["truth"]["samples"] = 1.into(), "the samples of the baseline are 1");
-    let fails: [&dyn Fn(&mut Value); 3] = [
-        &|it| drop(it["runs"].as_array_mut().unwrap().pop()),
-        &|it| (it["runs"][1]["error"]["rmse"], it["runs"][1]["error"]["rmse_noise"]) = (1e-9.into(), 1e9.into()),
-        &|it| it["runs"][1]["error"]["classes"][0]["mae"] = 0.into(),
-    ];
-    for fails in fails {
-        let output = doctored(fails);
-        assert_eq!(output.status.code(), Some(1), "{}", String::from_utf8_lossy(&output.stderr));
-    }
+    assert_checked(here.path(), &json);
 
     // Resuming something else, or from a damaged journal, is refused; nothing to resume starts anew.
     write(&out.join(".halfshade"), "journal.jsonl", "{\"schema\":\n");

@@ -1,8 +1,6 @@
 //! Files that are missing, cut off, empty, or full of nonsense: a clear error, status 2, no panic, nothing left behind.
 
-mod common;
-
-use common::{folder, halfshade, names, refused, stdout, write};
+use crate::common::{folder, halfshade, names, refused, stdout, write};
 use std::fs;
 
 const TRIANGLES: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";

@@ -3,9 +3,7 @@
 //! Every mesh gets four spheres, every mesh under one probe and every probe over one mesh are run through truth and strategies.
 //! HALFSHADE_ASSETS moves the folder; without it, `shared/assets` beside this repository is looked for.
 
-mod common;
-
-use common::{folder, halfshade, stdout, write};
+use crate::common::{folder, halfshade, stdout, write};
 use std::{
     fs,
     path::{Path, PathBuf},

@@ -1,0 +1,9 @@
+//! The command from end to end, as one program: linking is slow, and its tests needn't wait for each other.
+
+mod bad_input;
+mod command_line;
+mod common;
+mod experiments;
+mod runs;
+mod shared_assets;
+mod spheres_where_needed;
