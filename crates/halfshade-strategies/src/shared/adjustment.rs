@@ -4,7 +4,7 @@ use halfshade_scene::spheres::AdjustRule;
 use halfshade_strategy::choice;
 
 choice! {
-    /// What becomes of spheres that cut a receiver's tangent plane.
+    /// Rules for spheres that cut a receiver's tangent plane.
     pub(crate) enum Rule for AdjustRule {
         /// one formula before and behind the plane
         Continuous = "continuous",

@@ -1,5 +1,5 @@
-//! What several methods need and neither `halfshade-scene` nor `halfshade-sh` can have: each does without the other, and
-//! without rays.
+//! Parts that several methods need and neither `halfshade-scene` nor `halfshade-sh` can have: each does without the other,
+//! and without rays.
 
 pub(crate) mod adjustment;
 pub(crate) mod origin;

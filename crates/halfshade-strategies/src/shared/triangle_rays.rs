@@ -15,14 +15,14 @@ use std::{sync::Arc, time::Duration};
 /// the size: here that is 1e-13 of the half extent.
 const HALF_EXTENT: f64 = (1_u64 << 30) as f64;
 
-/// What obvhs takes for the start of a ray: a box that ends before is not entered, so boxes are that much larger.
+/// The start of a ray in obvhs: a box that ends before is not entered, so boxes are that much larger.
 const NEAREST: f32 = 1e-4;
 
 /// How far a coordinate may be off the surface that it stands for, as a part of itself: rounding of the point, and of the
 /// ray's origin, with room.
 pub(crate) const ROUNDING: f32 = 4.0 * f32::EPSILON;
 
-/// What is added to that, in the space of rays: 2^-46 of half the extent.
+/// The rounding added to that, in the space of rays: 2^-46 of half the extent.
 const LEAST_ROUNDING: f32 = (HALF_EXTENT / (1_u64 << 46) as f64) as f32;
 
 /// How far behind its origin a ray meets what faces it, in lengths of its slack.
@@ -50,7 +50,7 @@ pub(crate) fn hierarchy<T: Boundable>(primitives: &[T]) -> CwBvh {
 /// A triangle of a mesh, by number, in which a mask cuts holes; without one it is whole.
 pub(crate) type Holes = Option<(Arc<Mesh>, u32)>;
 
-/// What holes each triangle of a mesh has.
+/// The holes of each triangle of a mesh.
 pub(crate) fn holes_of(mesh: &Arc<Mesh>) -> impl Iterator<Item = Holes> {
     (0..mesh.triangles.len()).map(move |triangle| mesh.mask_of(triangle).map(|_| (mesh.clone(), triangle as u32)))
 }
@@ -191,7 +191,7 @@ pub(crate) struct TriangleRays {
 }
 
 impl TriangleRays {
-    /// Of the triangles with these corners; what is not finite is left out. `holes` has an entry for each, or none at all
+    /// Triangles with these corners; those that aren't finite are left out. `holes` has an entry for each, or none at all
     /// where all are whole.
     pub(crate) fn new(mut corners: Vec<[Vec3; 3]>, mut holes: Vec<Holes>) -> Self {
         let is_finite = |points: &[Vec3; 3]| points.iter().all(|point| point.is_finite());
@@ -226,7 +226,7 @@ impl TriangleRays {
         }
         let mut slack = start.rounding * self.space.length(1.0);
         let mut origin = self.space.place(start.position.as_dvec3());
-        // What a ray along a curved surface met farther behind it may have left again.
+        // A surface that a ray along it met farther behind may have been left again.
         let mut reach = REACH_BEHIND * slack.max_element();
         if start.normal != Vec3::ZERO {
             slack += LEAST_ROUNDING;

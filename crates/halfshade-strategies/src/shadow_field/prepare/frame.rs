@@ -15,7 +15,7 @@ pub(crate) struct FrameData {
     pub(crate) lights: Vec<LocalLight>,
     /// Per object the others, from near to far.
     pub(crate) nearest_first: Vec<Vec<usize>>,
-    /// What receivers reflect towards the eye, if anything is glossy.
+    /// Glossy reflectance towards the eye, if anything has it.
     pub(crate) eye_lobes: Option<EyeLobes>,
     pub(crate) light_from_world: DQuat,
     pub(crate) origin: DVec3,

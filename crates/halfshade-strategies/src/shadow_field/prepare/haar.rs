@@ -10,7 +10,7 @@ use halfshade_scene::Frame;
 use halfshade_strategy::StrategyError;
 use rayon::prelude::*;
 
-/// What shading reads of a frame.
+/// Everything that shading reads of a frame.
 pub(crate) struct HaarFrame {
     pub(crate) data: FrameData,
     pub(crate) light: CubeLight,

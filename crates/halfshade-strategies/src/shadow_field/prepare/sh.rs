@@ -9,7 +9,7 @@ use halfshade_scene::Frame;
 use halfshade_sh::rotation::ShRotation;
 use halfshade_strategy::StrategyError;
 
-/// What shading reads of a frame.
+/// Everything that shading reads of a frame.
 pub(crate) struct ShFrame {
     pub(crate) data: FrameData,
     /// S_d.

@@ -22,10 +22,10 @@ use projection::ShBasis;
 use shell::ShShell;
 use std::f32::consts::FRAC_1_PI;
 
-/// What an object's own occlusion is kept as.
+/// The form in which own occlusion is kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum OwnKind {
-    /// What the object hides above the vertex, to be multiplied with ρ̂ when shading [Tamura2006, figure 3].
+    /// Occlusion above the vertex, to be multiplied with ρ̂ when shading [Tamura2006, figure 3].
     Blocked,
     /// Visibility times the cosine over π, projected as it is; for receivers that are vertices.
     Transfer,

@@ -173,7 +173,7 @@ mod tests {
         assert!(errors[1] < 0.5 * errors[0] && errors[2] < 0.6 * errors[1] && errors[2] < 0.03, "{errors:?}");
     }
 
-    /// Of a ball all shells are alike in all directions but for the turn of what is seen; within it everything is dark,
+    /// All shells of a ball are alike in all directions but for the turn of what is seen; within it everything is dark,
     /// and one point tells all.
     #[test]
     fn shells_inside_a_solid_collapse_and_bytes_shrink() {

@@ -1,4 +1,4 @@
-//! What eight receivers see past their own object and past each other one, in light space.
+//! Visibility past a receiver's own object and past each other one, in light space.
 
 use super::batch::Batch;
 use crate::shadow_field::{
@@ -13,7 +13,7 @@ use glam::Vec3;
 use halfshade_sh::kernel::{LANES, ShBatch};
 use wide::f32x8;
 
-/// What eight receivers know of their own object.
+/// Own occlusion of eight receivers.
 pub(crate) enum Own<const N: usize> {
     /// The visibility that it leaves.
     Visible(ShBatch<N>),
