@@ -1,10 +1,10 @@
-//! Adaptive shadow fields \[Tamura2006\]: what an object hides is precomputed at points around it, and shading multiplies.
+//! Adaptive shadow fields \[Tamura2006\]: the visibility that an object leaves is precomputed at points around it, and shading multiplies.
 //!
 //! Around every object lie concentric shells (section 6: radii 0.2 R (1 + c), c from 0, R that of the object's bounding sphere). At
 //! points on them, by latitude and longitude, an *object occlusion field* holds the visibility that the object leaves, as a
-//! vector of spherical harmonics (`occlusion`). Each shell is thinned out as far as interpolation allows (`adaptive`,
-//! equation 1), and coefficients are stored in 8 bits (`field`). What an object hides from itself is precomputed at its
-//! vertices (`vertices`).
+//! vector of spherical harmonics (`bake/sh`) or Haar wavelets (`bake/haar`). Each shell is thinned out as far as
+//! interpolation allows (`bake/adaptive.rs`, equation 1), and coefficients are stored in 8 bits. What an object hides from
+//! itself is precomputed at its vertices (`bake/vertices.rs`).
 //!
 //! ```text
 //! U = O_self * ρ̂            for all others, from near to far:    an object: U = O_j * U      a light: L += S_j · U
@@ -24,7 +24,7 @@
 //! receiver is all around it, and before it is what has its middle in the light; from outside, nothing is that lies in the light
 //! as a whole.
 //!
-//! **Bounds.** Every product is held to what `U = V ρ` can be for a visibility V in [0, 1] (`sh/reach.rs`), and to no
+//! **Bounds.** Every product is held to what `U = V ρ` can be for a visibility V in [0, 1] (`kernel/bounded_product.rs`), and to no
 //! more than before: under constant light radiance lies within [0, unshadowed] and falls with every product, however
 //! many there are. (One more in the midst of them may leave the result brighter, by 0.02 of the unshadowed where that was
 //! seen, since the next product is cut off at other bands.) Under any other light SH ring about a part of the unshadowed, by at most `√(3/16π)` = 0.24 of the
@@ -41,25 +41,20 @@
 //! A receiver between vertices interpolates what its object hides from them. From one that
 //! sees its surface from behind, or that lies nowhere on it, its own object hides nothing. Meshes that deform can't be modelled.
 
-mod adaptive;
-mod arrangement;
-mod baking;
-mod basis;
-mod details;
-mod field;
+mod bake;
 mod haar;
+mod kernel;
+mod prepare;
 mod settings;
 mod sh;
-mod shell;
-mod shells;
-mod solid;
-mod traced;
-mod vertices;
+mod shade;
 
-use baking::Baking;
+use bake::{haar::HaarFields, meshes::Baking, sh::ShFields};
+use haar::HaarBaked;
 use halfshade_scene::{Cache, Progress, Scene};
 use halfshade_strategy::{Baked, Effect, Effects, Info, Params, Strategy, StrategyError};
 use settings::{Basis, PRESETS, Settings};
+use sh::ShBaked;
 
 /// The strategy.
 #[derive(Debug, Clone, Default)]
@@ -100,14 +95,14 @@ impl Strategy for ShadowField {
         let settings = Settings::read(params);
         let baking = Baking {
             cache: &self.cache,
-            sampling: settings.shells(),
+            layout: settings.shell_layout(),
             thinning: settings.thinning(),
             source: settings.source(),
             storage: settings.storage.into(),
         };
-        match settings.basis {
-            Basis::Sh => sh::bake(&baking, scene, &settings, progress),
-            Basis::Haar => haar::bake(&baking, scene, &settings, progress),
-        }
+        Ok(match settings.basis {
+            Basis::Sh => Box::new(ShBaked::new(ShFields::bake(&baking, scene, &settings, progress)?)),
+            Basis::Haar => Box::new(HaarBaked::new(HaarFields::bake(&baking, scene, &settings, progress)?)),
+        })
     }
 }

@@ -1,16 +1,12 @@
 //! Everything that can be set.
 
-use super::{
-    baking::Source,
-    basis::Storage,
-    field::{Shells, Thinning},
-};
+use super::bake::{basis::Storage, field::Thinning, meshes::Source, projected::ShellLayout};
 use halfshade_strategy::{Preset, choice, settings};
 use serde::{Deserialize, Serialize};
 
 choice! {
     /// The basis in which fields are kept.
-    pub(super) enum Basis {
+    pub(crate) enum Basis {
         /// spherical harmonics
         Sh = "sh",
         /// Haar wavelets on the faces of a cube
@@ -19,8 +15,8 @@ choice! {
 }
 
 choice! {
-    /// What becomes of sample points within a solid.
-    pub(super) enum Inside {
+    /// Sample points within a solid.
+    pub(crate) enum Inside {
         /// moved to the nearest places outside
         Moved = "moved",
         /// blocked, as published
@@ -30,7 +26,7 @@ choice! {
 
 choice! {
     /// How densely fields are sampled.
-    pub(super) enum Sampling {
+    pub(crate) enum Sampling {
         /// shells as dense as the threshold asks for
         Adaptive = "adaptive",
         /// only those shells that the threshold asks for
@@ -46,7 +42,7 @@ choice! {
 
 choice! {
     /// How coefficients are stored.
-    pub(super) enum StoredAs for Storage {
+    pub(crate) enum StoredAs for Storage {
         /// 8 bits, as steps above the smallest value
         U8 = "u8",
         /// 16 bits
@@ -58,7 +54,7 @@ choice! {
 
 choice! {
     /// How an object's own occlusion meets the cosine.
-    pub(super) enum OwnOcclusion {
+    pub(crate) enum OwnOcclusion {
         /// projected together
         Projected = "projected",
         /// multiplied, as an SH product [Tamura2006, figure 3]
@@ -69,7 +65,7 @@ choice! {
 choice! {
     /// How a row of wavelets tells which coefficients it has.
     #[derive(Serialize, Deserialize)]
-    pub(super) enum Coding {
+    pub(crate) enum Coding {
         /// listed by number, as published
         Listed = "listed",
         /// as trees, where parents tell of their children
@@ -79,7 +75,7 @@ choice! {
 
 choice! {
     /// How visibilities are multiplied.
-    pub(super) enum Product {
+    pub(crate) enum Product {
         /// texel by texel
         Texels = "texels",
         /// as the triple product of wavelets
@@ -89,7 +85,7 @@ choice! {
 
 settings! {
     /// All parameters.
-    pub(super) struct Settings {
+    pub(crate) struct Settings {
         /// basis of fields
         "basis" => basis: Basis = Basis::Sh;
         /// SH: bands of visibility
@@ -126,7 +122,7 @@ settings! {
 }
 
 /// Values under one name.
-pub(super) const PRESETS: &[Preset] = &[Preset {
+pub(crate) const PRESETS: &[Preset] = &[Preset {
     name: "as-published",
     summary: "[Tamura2006]: no shells within the first, sample points within solids blocked, wavelets listed and multiplied as such",
     settings: "inner=0,inside=blocked,coding=listed,product=wavelets",
@@ -134,8 +130,8 @@ pub(super) const PRESETS: &[Preset] = &[Preset {
 
 impl Settings {
     /// The sample points of a field.
-    pub(super) fn shells(&self) -> Shells {
-        Shells {
+    pub(crate) fn shell_layout(&self) -> ShellLayout {
+        ShellLayout {
             count: self.shells,
             inner: self.inner,
             resolution: self.resolution.next_power_of_two(),
@@ -145,7 +141,7 @@ impl Settings {
     }
 
     /// How fields are thinned out.
-    pub(super) fn thinning(&self) -> Thinning {
+    pub(crate) fn thinning(&self) -> Thinning {
         Thinning {
             threshold: (self.sampling != Sampling::Fixed).then_some(self.threshold),
             drops_shells: self.sampling == Sampling::AdaptiveShells,
@@ -153,7 +149,7 @@ impl Settings {
     }
 
     /// Where visibility comes from.
-    pub(super) fn source(&self) -> Source {
+    pub(crate) fn source(&self) -> Source {
         match self.sampling {
             Sampling::Adaptive | Sampling::AdaptiveShells | Sampling::Fixed => Source::Fields,
             Sampling::Traced => Source::Traced,

@@ -1,0 +1,41 @@
+//! Functions of direction as vectors of coefficients: what any basis of a field must do.
+
+use super::bounds::{BoundingCone, BoundingSphere};
+use crate::shared::triangle_rays::{Start, TriangleRays};
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+/// A basis of functions of direction: spherical harmonics or Haar wavelets.
+pub(crate) trait Basis: Sync {
+    type Vector: Clone + Send + Sync;
+
+    /// The vector of a function that is sampled once in the middle of every cell of a map of directions.
+    fn project(&self, value: &dyn Fn(Vec3) -> f32) -> Self::Vector;
+
+    /// The largest angle between the middle of a cell and its edge, in radians.
+    fn cell_radius(&self) -> f32;
+
+    /// The weighted sum.
+    fn mix(&self, parts: &[(&Self::Vector, f32)]) -> Self::Vector;
+
+    /// `1/4π ∫ |Σ_g (a_g - b_g) Ψ_g(ω)| dω` [Tamura2006, eq. 1].
+    fn difference(&self, a: &Self::Vector, b: &Self::Vector) -> f64;
+
+    /// Occlusion from `point` by the mesh of `rays`, which `bounds` holds: 1 where it blocks, 0 elsewhere.
+    fn blocked_from(&self, rays: &TriangleRays, point: Vec3, bounds: BoundingSphere) -> Self::Vector {
+        let cone = BoundingCone::new(bounds, point, self.cell_radius());
+        self.project(&|direction| {
+            let blocked = cone.holds(direction) && rays.blocked(&Start::free(point), direction, f32::INFINITY);
+            f32::from(u8::from(blocked))
+        })
+    }
+}
+
+/// How coefficients are stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum Storage {
+    /// A number of steps above the smallest value.
+    U8,
+    F16,
+    F32,
+}
