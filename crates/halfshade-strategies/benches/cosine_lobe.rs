@@ -11,7 +11,7 @@ use halfshade_scene::{
 };
 use halfshade_strategies::CosineLobe;
 use halfshade_strategy::Strategy;
-use std::{hint::black_box, sync::Arc};
+use std::hint::black_box;
 
 /// Receivers along a side of the floor, and on each body.
 const SIDE: usize = 64;

@@ -3,12 +3,11 @@
 use crate::common::shaded;
 use glam::{Quat, Vec3};
 use halfshade_scene::{
-    Environment, Material, Mesh, Motion, Object, Pose, RadianceBuffer, ReceiverBuffer, Scene, SphereLight,
-    builtin::shapes,
+    Environment, Mesh, Motion, Object, Pose, RadianceBuffer, ReceiverBuffer, Scene, SphereLight, builtin::shapes,
 };
 use halfshade_strategies::{RayTraced, ShadowField};
 use halfshade_strategy::Strategy;
-use std::{f64::consts::TAU, sync::Arc};
+use std::f64::consts::TAU;
 
 fn object(mesh: Mesh, pose: Pose) -> Object {
     Object::new("object", mesh).cluster_count(1).pose(pose)

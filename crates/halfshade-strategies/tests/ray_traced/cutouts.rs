@@ -3,8 +3,7 @@
 use crate::common::shaded;
 use glam::{Vec2, Vec3};
 use halfshade_scene::{
-    Environment, Material, Mesh, Motion, Object, Pose, ReceiverBuffer, Scene, Texture, builtin::shapes,
-    mesh::AlphaMask, texture::Wrap,
+    Environment, Mesh, Object, Pose, ReceiverBuffer, Scene, Texture, builtin::shapes, mesh::AlphaMask, texture::Wrap,
 };
 use halfshade_strategies::ray_traced::RayTraced;
 use halfshade_strategy::Strategy;

@@ -6,12 +6,10 @@
 
 use crate::common;
 use glam::Vec3;
-use halfshade_scene::{
-    Environment, Material, Mesh, Motion, Object, Pose, RadianceBuffer, ReceiverBuffer, Scene, Sphere, SphereSet,
-};
+use halfshade_scene::{Environment, Mesh, Object, RadianceBuffer, ReceiverBuffer, Scene, Sphere, SphereSet};
 use halfshade_strategies::ShExp;
 use halfshade_strategy::Baked;
-use std::{f32::consts::FRAC_PI_2, sync::Arc};
+use std::f32::consts::FRAC_PI_2;
 
 const VARIANTS: [&str; 8] = [
     "exp=product",

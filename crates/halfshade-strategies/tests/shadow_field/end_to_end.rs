@@ -3,8 +3,7 @@
 use crate::common;
 use glam::{Quat, Vec3};
 use halfshade_scene::{
-    Cache, Environment, Material, Mesh, Motion, Object, Pose, Progress, ReceiverBuffer, Scene, SphereLight,
-    builtin::shapes,
+    Cache, Environment, Mesh, Motion, Object, Pose, Progress, ReceiverBuffer, Scene, SphereLight, builtin::shapes,
 };
 use halfshade_strategies::ShadowField;
 use halfshade_strategy::{Baked, Strategy};
