@@ -1,11 +1,9 @@
 //! The environment as so many bands of spherical harmonics see it.
 
 use glam::Vec3;
-use halfshade_scene::{
-    Environment,
-    light::{DistantLight, EnvironmentMap},
-};
-use halfshade_sh::{basis, lat_long, zonal};
+use halfshade_scene::{Environment, light::EnvironmentMap};
+use halfshade_sh::basis;
+use halfshade_strategies::projected_light::project_environment;
 
 /// Size of the map that a band-limited environment is tabulated on: what it varies within a texel at 8 bands is below
 /// 1 % of its amplitude, and averages out.
@@ -14,36 +12,8 @@ const HEIGHT: usize = 128;
 
 /// The projection of `environment` onto `bands` bands, sun included, as a map. Its radiance may be negative: that is the
 /// ringing of so few bands.
-///
-/// `c_i = ∫ L(ω) y_i(ω) dω`: over a map texel by texel ([`lat_long::project`]), over the sun in closed form.
 pub fn band_limit(environment: &Environment, bands: usize) -> Environment {
-    let count = basis::coefficient_count(bands);
-    let [mut red, mut green, mut blue] = [0; 3].map(|_| vec![0.0f64; count]);
-    match &environment.base {
-        DistantLight::Constant(radiance) => {
-            let one = (4.0 * std::f64::consts::PI).sqrt();
-            for (channel, value) in [&mut red, &mut green, &mut blue].into_iter().zip(radiance.to_array()) {
-                channel[0] = one * f64::from(value);
-            }
-        }
-        DistantLight::Map(map) => {
-            let texels: Vec<[f32; 3]> = map.texels().iter().map(|texel| texel.to_array()).collect();
-            // A map has as many texels as its size says.
-            if let Some(projected) = lat_long::project(bands, map.width(), map.height(), &texels) {
-                [red, green, blue] = projected;
-            }
-        }
-    }
-    let mut coefficients = [red, green, blue];
-    if let Some(sun) = &environment.sun {
-        let cap = zonal::cap(bands, f64::from(sun.angular_radius).cos());
-        let turned = zonal::rotate_to_axis(&cap, sun.direction.as_dvec3().normalize_or(glam::DVec3::Y).to_array());
-        for (channel, radiance) in coefficients.iter_mut().zip(sun.radiance.as_dvec3().to_array()) {
-            for (c, value) in channel.iter_mut().zip(&turned) {
-                *c += radiance * value;
-            }
-        }
-    }
+    let coefficients = project_environment(bands, environment);
     let Some(blank) = EnvironmentMap::new(WIDTH, HEIGHT, vec![Vec3::ZERO; WIDTH * HEIGHT]) else {
         return environment.clone();
     };

@@ -18,15 +18,18 @@
 //! doesn't see itself or its like, which is right for a plane; of such an object that deforms the mesh at rest is seen. A
 //! sun below the ground still shines on objects.
 
-use crate::sh_exp::{
-    bake::{crossings::Crossing, directions::weighted, ground::GroundTables},
-    kernel::ground::GroundField,
+use crate::{
+    sh_exp::{
+        bake::{crossings::Crossing, directions::weighted, ground::GroundTables},
+        kernel::ground::GroundField,
+    },
+    shared::projected_light::project_base,
 };
 use glam::{DQuat, DVec3, Vec3};
 use halfshade_scene::{
     Frame, Gloss, RadianceBuffer, ReceiverBuffer, ReceiverPoint, SurfacePoint, light::DistantLight, mesh,
 };
-use halfshade_sh::{basis, lat_long};
+use halfshade_sh::basis;
 use rayon::prelude::*;
 
 /// How far from the middle of an object's box the places around it are, in half extents.
@@ -170,14 +173,11 @@ impl GroundView {
         let weighted = &self.directions.weighted;
         self.directions.light = match base {
             DistantLight::Constant(radiance) => vec![*radiance; weighted.len()],
-            DistantLight::Map(map) => {
-                let texels: Vec<[f32; 3]> = map.texels().iter().map(|texel| texel.to_array()).collect();
-                let vectors = lat_long::project(ENVIRONMENT_BANDS, map.width(), map.height(), &texels);
+            DistantLight::Map(_) => {
+                let vectors = project_base(ENVIRONMENT_BANDS, base);
                 let along = |(direction, _): &(DVec3, Vec<f32>)| {
-                    vectors.as_ref().map_or(Vec3::ZERO, |vectors| {
-                        let at = |vector: &Vec<f64>| basis::reconstruct(vector, direction.to_array()) as f32;
-                        Vec3::from(vectors.each_ref().map(at))
-                    })
+                    let at = |vector: &Vec<f64>| basis::reconstruct(vector, direction.to_array()) as f32;
+                    Vec3::from(vectors.each_ref().map(at))
                 };
                 weighted.iter().map(along).collect()
             }

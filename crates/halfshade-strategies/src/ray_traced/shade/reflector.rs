@@ -1,12 +1,12 @@
 //! Directions drawn where a glossy receiver reflects.
 
-use super::light_sampler::about;
+use crate::ray_traced::prepare::light_sampler::about;
 use glam::DVec3;
 use halfshade_scene::{Lobe, Lobes};
 
 /// The lobes of a receiver, its diffuse one among them, each drawn by its power and as often as it reflects: in proportion
 /// to `scale · 2π/(e + 1)`, summed over the channels.
-pub(super) struct Reflector {
+pub(crate) struct Reflector {
     lobes: Lobes,
     total: f64,
     normal: DVec3,
@@ -17,13 +17,13 @@ fn strength(lobe: &Lobe) -> f64 {
 }
 
 impl Reflector {
-    pub(super) fn new(mut lobes: Lobes, diffuse: Lobe, normal: DVec3) -> Self {
+    pub(crate) fn new(mut lobes: Lobes, diffuse: Lobe, normal: DVec3) -> Self {
         lobes.push(diffuse);
         Self { lobes, total: lobes.iter().map(strength).sum(), normal }
     }
 
     /// A direction; it may lie below the horizon.
-    pub(super) fn sample(&self, [choice, u, v]: [f64; 3]) -> DVec3 {
+    pub(crate) fn sample(&self, [choice, u, v]: [f64; 3]) -> DVec3 {
         let mut left = choice * self.total;
         let mut chosen = None;
         for lobe in self.lobes.iter() {
@@ -40,7 +40,7 @@ impl Reflector {
     }
 
     /// Reflectance with its cosines, 1/steradian, and density per steradian of [`Self::sample`] along unit `direction`.
-    pub(super) fn evaluate(&self, direction: DVec3) -> (DVec3, f64) {
+    pub(crate) fn evaluate(&self, direction: DVec3) -> (DVec3, f64) {
         let density = self.lobes.iter().map(|l| l.scale.as_dvec3().element_sum() * l.power(direction)).sum::<f64>();
         (self.lobes.value(self.normal, direction), density / self.total)
     }
@@ -59,7 +59,7 @@ mod tests {
         lobes.push(Lobe { axis: Vec3::new(0.6, 0.8, 0.0), exponent: 2e4, scale: Vec3::splat(9e3), times_cosine: true });
         lobes.push(Lobe { axis: Vec3::Z, exponent: 0.5, scale: Vec3::new(0.0, 0.1, 0.2), times_cosine: false });
         let reflector = Reflector::new(lobes, Lobe::diffuse(Vec3::splat(0.6), Vec3::Y), DVec3::Y);
-        let points = super::super::points::Points::<3>::new(9);
+        let points = crate::ray_traced::shade::points::Points::<3>::new(9);
         let count = 400_000;
         let mut sums = [0.0; 3];
         for i in 0..count {

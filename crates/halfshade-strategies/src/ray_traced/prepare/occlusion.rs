@@ -5,10 +5,10 @@ use glam::Vec3;
 use halfshade_scene::Frame;
 
 /// All triangles of a frame.
-pub(super) struct Occlusion(TriangleRays);
+pub(crate) struct Occlusion(TriangleRays);
 
 impl Occlusion {
-    pub(super) fn new(frame: &Frame<'_>) -> Self {
+    pub(crate) fn new(frame: &Frame<'_>) -> Self {
         let (mut corners, mut holes): (Vec<[Vec3; 3]>, Vec<Holes>) = (Vec::new(), Vec::new());
         let has_holes = frame.scene.objects.iter().any(|object| object.mesh.has_cutouts());
         for (number, (object, pose)) in frame.scene.objects.iter().zip(&frame.world_from_object).enumerate() {
@@ -23,11 +23,11 @@ impl Occlusion {
 
     /// Whether a triangle lies on the ray from a point of a surface with unit `normal` within `distance` (world units, may be
     /// infinite). `direction` has unit length.
-    pub(super) fn blocked(&self, position: Vec3, normal: Vec3, direction: Vec3, distance: f32) -> bool {
+    pub(crate) fn blocked(&self, position: Vec3, normal: Vec3, direction: Vec3, distance: f32) -> bool {
         self.0.blocked(&Start::on_surface(position, normal), direction, distance)
     }
 
-    pub(super) fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         self.0.bytes()
     }
 }

@@ -4,14 +4,14 @@
 /// generalized golden ratio, whose multiples fill d dimensions evenly for any number of points. The shift x_0 is uniform
 /// and hashed from the receiver, so that every point is uniform by itself and the estimate unbiased.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Points<const D: usize> {
+pub(crate) struct Points<const D: usize> {
     /// Fixed point: 2^64 is 1.
     step: [u64; D],
     shift: [u64; D],
 }
 
 impl<const D: usize> Points<D> {
-    pub(super) fn new(receiver: u32) -> Self {
+    pub(crate) fn new(receiver: u32) -> Self {
         // Newton's iteration from above; three steps past convergence for every small D.
         let mut ratio = 2.0f64;
         for _ in 0..20 {
@@ -26,7 +26,7 @@ impl<const D: usize> Points<D> {
     }
 
     /// Point `i`, in [0, 1)^D.
-    pub(super) fn at(&self, i: u32) -> [f64; D] {
+    pub(crate) fn at(&self, i: u32) -> [f64; D] {
         std::array::from_fn(|j| {
             let fixed = self.shift[j].wrapping_add(self.step[j].wrapping_mul(u64::from(i)));
             (fixed >> 11) as f64 * 2.0f64.powi(-53)

@@ -11,7 +11,7 @@ use std::f64::consts::{PI, TAU};
 ///
 /// The density per steradian is the sum of the channels of the radiance that would arrive from a direction if nothing
 /// blocked, divided by its integral: one density for all lights together, with no weights to choose.
-pub(super) struct LightSampler {
+pub(crate) struct LightSampler {
     base: DistantLight,
     alias: AliasTable,
     /// ∫ of the base's radiance over the directions that are drawn: all of them for a map, a hemisphere for constant light.
@@ -62,7 +62,7 @@ impl Cap {
 }
 
 /// The unit vector whose cosine to unit `axis` is `1 - one_minus_cosine`, at `turn` of a full turn around it.
-pub(super) fn about(axis: DVec3, one_minus_cosine: f64, turn: f64) -> DVec3 {
+pub(crate) fn about(axis: DVec3, one_minus_cosine: f64, turn: f64) -> DVec3 {
     let sine = (one_minus_cosine * (2.0 - one_minus_cosine)).max(0.0).sqrt();
     let (y, x) = (TAU * turn).sin_cos();
     let (t, b) = axis.any_orthonormal_pair();
@@ -70,13 +70,13 @@ pub(super) fn about(axis: DVec3, one_minus_cosine: f64, turn: f64) -> DVec3 {
 }
 
 /// A direction around unit `normal` with density cosine/π.
-pub(super) fn cosine_direction(normal: DVec3, [u, v]: [f64; 2]) -> DVec3 {
+pub(crate) fn cosine_direction(normal: DVec3, [u, v]: [f64; 2]) -> DVec3 {
     about(normal, u / (1.0 + (1.0 - u).sqrt()), v)
 }
 
 impl LightSampler {
     /// Takes over the alias table of `previous` if the map is the same.
-    pub(super) fn new(frame: &Frame<'_>, previous: Option<Self>) -> Self {
+    pub(crate) fn new(frame: &Frame<'_>, previous: Option<Self>) -> Self {
         let environment = &frame.scene.environment;
         let alias = match (&environment.base, previous) {
             (base, Some(old)) if old.base.is_same_as(base) => old.alias,
@@ -99,19 +99,19 @@ impl LightSampler {
     }
 
     /// Whether drawing by light can do better than drawing by cosine.
-    pub(super) fn is_constant(&self) -> bool {
+    pub(crate) fn is_constant(&self) -> bool {
         matches!(self.base, DistantLight::Constant(_)) && self.sun.is_none() && self.lights.is_empty()
     }
 
     /// ∫ of all radiance that could arrive at `position`, summed over the channels.
-    pub(super) fn power(&self, position: Vec3) -> f64 {
+    pub(crate) fn power(&self, position: Vec3) -> f64 {
         let local: f64 =
             self.lights.iter().map(|light| total(light.radiance) * Cap::of(light, position).solid_angle()).sum();
         self.base_power + self.sun.map_or(0.0, |(_, power)| power) + local
     }
 
     /// A direction for a receiver, in proportion to radiance; `power` as [`Self::power`] gave it.
-    pub(super) fn sample(&self, position: Vec3, normal: DVec3, power: f64, [choice, u, v]: [f64; 3]) -> DVec3 {
+    pub(crate) fn sample(&self, position: Vec3, normal: DVec3, power: f64, [choice, u, v]: [f64; 3]) -> DVec3 {
         let world_from_environment = self.environment_from_world.transpose().as_dmat3();
         let mut left = choice * power;
         if left < self.base_power {
@@ -140,7 +140,7 @@ impl LightSampler {
     }
 
     /// Radiance from infinitely far along unit `direction`.
-    pub(super) fn distant_radiance(&self, direction: DVec3) -> Vec3 {
+    pub(crate) fn distant_radiance(&self, direction: DVec3) -> Vec3 {
         let direction = (self.environment_from_world.as_dmat3() * direction).normalize();
         let base = match &self.base {
             DistantLight::Constant(radiance) => *radiance,
@@ -153,13 +153,13 @@ impl LightSampler {
     }
 
     /// All radiance along a ray that nothing blocks.
-    pub(super) fn radiance(&self, position: Vec3, direction: DVec3) -> DVec3 {
+    pub(crate) fn radiance(&self, position: Vec3, direction: DVec3) -> DVec3 {
         let distant = self.distant_radiance(direction);
         self.local_radiance(position, direction).fold(distant, |sum, (radiance, _)| sum + radiance).as_dvec3()
     }
 
     /// The local lights along a ray: radiance, and the distance to the light's surface.
-    pub(super) fn local_radiance(&self, position: Vec3, direction: DVec3) -> impl Iterator<Item = (Vec3, f32)> {
+    pub(crate) fn local_radiance(&self, position: Vec3, direction: DVec3) -> impl Iterator<Item = (Vec3, f32)> {
         let hit = move |light: &&SphereLight| Cap::of(light, position).contains(direction);
         self.lights.iter().filter(hit).map(move |light| {
             let offset = (light.center - position).as_dvec3();
@@ -171,7 +171,7 @@ impl LightSampler {
         })
     }
 
-    pub(super) fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         size_of_val(self.alias.cells.as_slice())
     }
 }
@@ -274,7 +274,7 @@ mod tests {
         frame.world_from_environment = glam::Quat::from_rotation_x(0.4);
         let sampler = LightSampler::new(&frame, None);
         let power = sampler.power(Vec3::ZERO);
-        let points = super::super::points::Points::<3>::new(5);
+        let points = crate::ray_traced::shade::points::Points::<3>::new(5);
         let count = 20_000;
         let (mut in_sun, mut in_light, mut in_texel) = (0u32, 0u32, 0u32);
         for i in 0..count {

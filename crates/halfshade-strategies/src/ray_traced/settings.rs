@@ -1,0 +1,36 @@
+//! Everything that can be set.
+
+use halfshade_strategy::{choice, settings};
+
+choice! {
+    /// How directions are drawn.
+    pub(super) enum Sampling {
+        /// by the cosine and other lobes of the receiver
+        Cosine = "cosine",
+        /// by the light's radiance
+        Light = "light",
+        /// half and half, weighted by the density of the mixture
+        Both = "mis",
+    }
+}
+
+settings! {
+    /// Everything that can be set.
+    pub(super) struct Settings {
+        /// rays per receiver
+        "samples" => samples: u32 = 16, in 1..=4096;
+        /// how directions are drawn
+        "sampling" => sampling: Sampling = Sampling::Both;
+    }
+}
+
+impl Sampling {
+    /// Share of directions drawn by cosine, or by the lobes of a glossy receiver.
+    pub(super) const fn cosine_share(self) -> f64 {
+        match self {
+            Self::Cosine => 1.0,
+            Self::Light => 0.0,
+            Self::Both => 0.5,
+        }
+    }
+}
