@@ -10,7 +10,6 @@ use halfshade_scene::{
     Cache, Environment, Mesh, Object, ReceiverBuffer, Scene, SphereSet, builtin::shapes, progress::Silent,
     spheres::BuildOptions,
 };
-use halfshade_strategy::Params;
 use std::{
     path::{Path, PathBuf},
     sync::{Arc, LazyLock},
