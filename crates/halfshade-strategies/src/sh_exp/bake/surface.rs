@@ -62,26 +62,63 @@ pub(crate) fn surfaces(
     (projection, covered): (Projection, Covered),
 ) -> Vec<SphereSurface> {
     let crossings = Crossings::new(&object.mesh);
-    let owner = |point: DVec3| {
+    let view = View { object, spheres, crossings, covered };
+    (0..spheres.len())
+        .into_par_iter()
+        .map(|number| {
+            let seen = |direction| view.seen_from(number, direction);
+            let mut surface = SphereSurface::default();
+            let mut valid = Vec::new();
+            for (sample, &direction) in geodesic.samples.iter().enumerate() {
+                if let Some(Seen { crossing, .. }) = seen(direction).filter(|seen| view.has_normal(&seen.crossing)) {
+                    valid.push(sample);
+                    surface.samples.push((crossing.triangle as u32, crossing.weights.as_vec3()));
+                }
+            }
+            let all: Vec<usize> = (0..geodesic.samples.len()).collect();
+            let among = if projection == Projection::Product { &all } else { &valid };
+            let Some(cells) = geodesic.cells(among).filter(|_| !valid.is_empty()) else { return surface };
+            let colours = CellColours::new(object, bands, geodesic, &cells, seen);
+            surface.weights = valid.iter().flat_map(|&sample| colours.weights(sample, channels, projection)).collect();
+            // A black surface needs no light.
+            if surface.weights.iter().all(|&weight| weight == 0.0) { SphereSurface::default() } else { surface }
+        })
+        .collect()
+}
+
+/// The view from the spheres' centres onto the surface.
+struct View<'a> {
+    object: &'a Object,
+    spheres: &'a [Sphere],
+    crossings: Crossings,
+    covered: Covered,
+}
+
+impl View<'_> {
+    /// The sphere to which a point of the surface belongs.
+    fn owner(&self, point: DVec3) -> Option<usize> {
         let distance =
             |sphere: &Sphere| point.distance_squared(sphere.center.as_dvec3()) / f64::from(sphere.radius).powi(2);
+        let spheres = self.spheres;
         (0..spheres.len()).min_by(|&a, &b| distance(&spheres[a]).total_cmp(&distance(&spheres[b])))
-    };
-    let look = |number: usize, direction: DVec3| -> Option<Seen> {
-        let center = spheres[number].center.as_dvec3();
+    }
+
+    /// The point of the surface that sphere `number` sees along a direction.
+    fn seen_from(&self, number: usize, direction: DVec3) -> Option<Seen> {
+        let center = self.spheres[number].center.as_dvec3();
         let (mut inside, mut best) = (false, None::<Seen>);
         let nearer =
             |best: &Option<Seen>, distance| best.as_ref().is_none_or(|b: &Seen| distance < b.crossing.distance);
-        crossings.along(center, direction, |crossing| {
+        self.crossings.along(center, direction, |crossing| {
             if !crossing.leaves {
                 return;
             }
             inside = true;
             let point = center + crossing.distance * direction;
-            let better = match covered {
+            let better = match self.covered {
                 Covered::Black => {
                     best.as_ref().is_none_or(|b| crossing.distance > b.crossing.distance)
-                        && owner(point) == Some(number)
+                        && self.owner(point) == Some(number)
                 }
                 Covered::Kept => nearer(&best, crossing.distance),
             };
@@ -90,64 +127,72 @@ pub(crate) fn surfaces(
             }
         });
         if !inside {
-            crossings.along(center, -direction, |crossing| {
+            self.crossings.along(center, -direction, |crossing| {
                 if !crossing.leaves && nearer(&best, crossing.distance) {
                     best = Some(Seen { point: center - crossing.distance * direction, crossing });
                 }
             });
-            best = best.filter(|seen| covered == Covered::Kept || owner(seen.point) == Some(number));
+            best = best.filter(|seen| self.covered == Covered::Kept || self.owner(seen.point) == Some(number));
         }
         best
-    };
-    let has_normal = |crossing: &Crossing| {
-        let normal = object.mesh.interpolated(&object.mesh.normals, crossing.triangle, crossing.weights);
-        normal.try_normalize().is_some()
-    };
-    let count = bands * bands;
-    (0..spheres.len())
-        .into_par_iter()
-        .map(|number| {
-            let mut surface = SphereSurface::default();
-            let mut valid = Vec::new();
-            for (sample, &direction) in geodesic.samples.iter().enumerate() {
-                let seen = look(number, direction);
-                if let Some(Seen { crossing, .. }) = seen.filter(|seen| has_normal(&seen.crossing)) {
-                    valid.push(sample);
-                    surface.samples.push((crossing.triangle as u32, crossing.weights.as_vec3()));
-                }
+    }
+
+    fn has_normal(&self, crossing: &Crossing) -> bool {
+        let mesh = &self.object.mesh;
+        mesh.interpolated(&mesh.normals, crossing.triangle, crossing.weights).try_normalize().is_some()
+    }
+}
+
+/// The colours around one sphere, projected.
+struct CellColours {
+    count: usize,
+    /// Per sample direction and channel: of the cell's colours.
+    colored: Vec<f64>,
+    /// Per sample direction: of the cell itself.
+    plain: Vec<f64>,
+    /// Per channel: of all colours.
+    environment: Vec<f64>,
+}
+
+impl CellColours {
+    /// Colours that are `seen` along the many directions of each cell.
+    fn new(
+        object: &Object,
+        bands: usize,
+        geodesic: &Geodesic,
+        cells: &[usize],
+        seen: impl Fn(DVec3) -> Option<Seen>,
+    ) -> Self {
+        let count = bands * bands;
+        let mut colored = vec![0.0; geodesic.samples.len() * 3 * count];
+        let mut plain = vec![0.0; geodesic.samples.len() * count];
+        let mut environment = vec![0.0; 3 * count];
+        for (dense, &cell) in geodesic.dense.iter().zip(cells) {
+            add(&mut plain[cell * count..][..count], 1.0, &dense.weighted_basis);
+            let Some(seen) = seen(dense.direction) else { continue };
+            let albedo = object.albedo_at(seen.crossing.triangle, seen.crossing.weights).as_dvec3();
+            for channel in 0..3 {
+                let row = (cell * 3 + channel) * count;
+                add(&mut colored[row..][..count], albedo[channel], &dense.weighted_basis);
+                add(&mut environment[channel * count..][..count], albedo[channel], &dense.weighted_basis);
             }
-            let all: Vec<usize> = (0..geodesic.samples.len()).collect();
-            let among = if projection == Projection::Product { &all } else { &valid };
-            let Some(cells) = geodesic.cells(among).filter(|_| !valid.is_empty()) else { return surface };
-            // Per sample direction and channel: of the cell's colours, and of the cell itself.
-            let mut colored = vec![0.0; geodesic.samples.len() * 3 * count];
-            let mut plain = vec![0.0; geodesic.samples.len() * count];
-            let mut environment = vec![0.0; 3 * count];
-            for (dense, &cell) in geodesic.dense.iter().zip(&cells) {
-                add(&mut plain[cell * count..][..count], 1.0, &dense.weighted_basis);
-                let Some(seen) = look(number, dense.direction) else { continue };
-                let albedo = object.albedo_at(seen.crossing.triangle, seen.crossing.weights).as_dvec3();
-                for channel in 0..3 {
-                    let row = (cell * 3 + channel) * count;
-                    add(&mut colored[row..][..count], albedo[channel], &dense.weighted_basis);
-                    add(&mut environment[channel * count..][..count], albedo[channel], &dense.weighted_basis);
+        }
+        Self { count, colored, plain, environment }
+    }
+
+    /// W_j of a sample, channel by channel.
+    fn weights(&self, sample: usize, channels: usize, projection: Projection) -> impl Iterator<Item = f32> {
+        let Self { count, colored, plain, environment } = self;
+        (0..channels).flat_map(move |channel| {
+            let vector = match projection {
+                Projection::Direct => colored[(sample * 3 + channel) * count..][..*count].to_vec(),
+                Projection::Product => {
+                    product(&plain[sample * count..][..*count], &environment[channel * count..][..*count])
                 }
-            }
-            for &sample in &valid {
-                for channel in 0..channels {
-                    let vector = match projection {
-                        Projection::Direct => colored[(sample * 3 + channel) * count..][..count].to_vec(),
-                        Projection::Product => {
-                            product(&plain[sample * count..][..count], &environment[channel * count..][..count])
-                        }
-                    };
-                    surface.weights.extend(vector.iter().map(|&value| value as f32));
-                }
-            }
-            // A black surface needs no light.
-            if surface.weights.iter().all(|&weight| weight == 0.0) { SphereSurface::default() } else { surface }
+            };
+            vector.into_iter().map(|value| value as f32)
         })
-        .collect()
+    }
 }
 
 fn add(sum: &mut [f64], factor: f64, vector: &[f64]) {
