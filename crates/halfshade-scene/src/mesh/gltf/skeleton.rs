@@ -15,38 +15,19 @@
 //! `joint_from_rest`, where it may be any affine map. Joints must be similarities, as a [`crate::Pose`] is.
 
 use super::accessor::{Whole, numbers};
-use super::track::{Tracks, Weights, pose_of, weights};
+use super::channels::read_channels;
+use super::nodes::{Place, base, follow_moved, label, places};
+use super::track::{Weights, pose_of};
 use super::{Animation, Buffers};
 use crate::skin::INFLUENCES;
 use crate::{Joint, Motion, Pose, SceneError};
 use ::gltf::accessor::Dimensions;
-use ::gltf::animation::Property;
-use ::gltf::json::validation::Checked;
-use ::gltf::scene::Transform;
 use ::gltf::{Document, Node, Primitive, Semantic};
-use glam::{DAffine3, DMat4, DQuat, DVec3, DVec4};
+use glam::{DAffine3, DMat4, DVec4};
 use std::collections::HashMap;
 
 /// Joints and weights of a vertex, as in [`crate::Skin`].
 pub(super) type Influences = [(u16, f32); INFLUENCES];
-
-/// A node of the document.
-struct Place<'a> {
-    node: Node<'a>,
-    parent: Option<usize>,
-    parent_from_node: DMat4,
-    /// As the document has it, without an animation.
-    world_from_node: DMat4,
-    /// The nearest node, itself or above, that the animation moves; without one, the world.
-    moved: Option<usize>,
-    /// From the node's space into that of `moved`.
-    moved_from_node: DMat4,
-    tracks: Option<Tracks>,
-    /// How the animation moves the weights of its mesh's morph targets.
-    weights: Vec<Weights>,
-    /// Its number among the joints, once it is one.
-    joint: Option<usize>,
-}
 
 /// The nodes of a document, one animation, and the joints that meshes needed so far.
 pub(super) struct Skeleton<'a> {
@@ -75,40 +56,11 @@ impl<'a> Skeleton<'a> {
         buffers: &'a Buffers,
         animation: Option<&Animation>,
     ) -> Result<Self, SceneError> {
-        let parents = parents(document)?;
-        let mut places: Vec<Place<'a>> = (document.nodes().zip(parents))
-            .map(|(node, parent)| {
-                let parent_from_node = world_from(&node, DMat4::IDENTITY);
-                let (world_from_node, moved_from_node) = (DMat4::IDENTITY, DMat4::IDENTITY);
-                let (moved, tracks, weights, joint) = (None, None, Vec::new(), None);
-                Place {
-                    node,
-                    parent,
-                    parent_from_node,
-                    world_from_node,
-                    moved,
-                    moved_from_node,
-                    tracks,
-                    weights,
-                    joint,
-                }
-            })
-            .collect();
+        let mut places = places(document)?;
         if let Some(animation) = animation {
-            read_tracks(document, buffers, animation, &mut places)?;
+            read_channels(document, buffers, animation, &mut places)?;
         }
-        for index in parents_first(&places)? {
-            let above = places[index].parent.map(|parent| &places[parent]);
-            let (world, moved, moved_from_parent) = above
-                .map_or((DMat4::IDENTITY, None, DMat4::IDENTITY), |p| (p.world_from_node, p.moved, p.moved_from_node));
-            let place = &mut places[index];
-            place.world_from_node = world * place.parent_from_node;
-            (place.moved, place.moved_from_node) = if place.tracks.is_some() {
-                (Some(index), DMat4::IDENTITY)
-            } else {
-                (moved, moved_from_parent * place.parent_from_node)
-            };
-        }
+        follow_moved(&mut places)?;
         let (joints, is_bound, bindings, binding_of) = Default::default();
         Ok(Self { buffers, places, joints, is_bound, bindings, binding_of })
     }
@@ -369,12 +321,6 @@ impl<'a> Skeleton<'a> {
     }
 }
 
-/// The place of a node's space in the world, or wherever its parent's is given.
-pub(super) fn world_from(node: &Node<'_>, world_from_parent: DMat4) -> DMat4 {
-    let local = node.transform().matrix().map(|column| column.map(f64::from));
-    world_from_parent * DMat4::from_cols_array_2d(&local)
-}
-
 fn no_such_joint(vertex: usize, joint: usize, count: usize) -> SceneError {
     SceneError::new(format!("vertex {vertex} names joint {joint}, but the skin has only {count}"))
 }
@@ -382,25 +328,6 @@ fn no_such_joint(vertex: usize, joint: usize, count: usize) -> SceneError {
 fn about_skin(skin: &::gltf::Skin<'_>, error: SceneError) -> SceneError {
     let name = skin.name().map_or_else(|| skin.index().to_string(), |name| format!("`{name}`"));
     SceneError { problem: format!("skin {name}: {}", error.problem), ..error }
-}
-
-fn label(node: &Node<'_>) -> String {
-    node.name().map_or_else(|| format!("node {}", node.index()), |name| format!("node `{name}`"))
-}
-
-/// Translation, rotation and scale of a node.
-fn base(place: &Place<'_>) -> Result<(DVec3, DQuat, DVec3), SceneError> {
-    match place.node.transform() {
-        Transform::Decomposed { translation, rotation, scale } => {
-            let rotation = DQuat::from_array(rotation.map(f64::from));
-            let rotation = if rotation.length_squared() < 1e-12 { DQuat::IDENTITY } else { rotation };
-            Ok((translation.map(f64::from).into(), rotation, scale.map(f64::from).into()))
-        }
-        Transform::Matrix { .. } => {
-            let Pose { scale, rotation, translation } = pose_of(&place.parent_from_node)?;
-            Ok((translation.as_dvec3(), rotation.as_dquat(), DVec3::splat(scale.into())))
-        }
-    }
 }
 
 /// An affine matrix whose last row is exactly so; `None` for what isn't affine or not finite.
@@ -417,95 +344,4 @@ fn affine(mut matrix: DMat4) -> Option<DMat4> {
 fn inverse(matrix: &DMat4) -> Option<DMat4> {
     let inverse = DMat4::from(DAffine3::from_mat4(*matrix).inverse());
     (matrix.determinant() != 0.0 && inverse.is_finite()).then_some(inverse)
-}
-
-/// The parent of each node.
-fn parents(document: &Document) -> Result<Vec<Option<usize>>, SceneError> {
-    let mut parents = vec![None; document.nodes().len()];
-    for node in document.nodes() {
-        for child in node.children() {
-            if parents[child.index()].replace(node.index()).is_some() {
-                return Err(SceneError::new(format!("{} has two parents", label(&child))));
-            }
-        }
-    }
-    Ok(parents)
-}
-
-/// All nodes, parents before their children.
-fn parents_first(places: &[Place<'_>]) -> Result<Vec<usize>, SceneError> {
-    let mut order: Vec<usize> = (0..places.len()).filter(|&index| places[index].parent.is_none()).collect();
-    let mut next = 0;
-    while let Some(&index) = order.get(next) {
-        order.extend(places[index].node.children().map(|child| child.index()));
-        next += 1;
-    }
-    if order.len() == places.len() {
-        return Ok(order);
-    }
-    let mut is_reached = vec![false; places.len()];
-    order.iter().for_each(|&index| is_reached[index] = true);
-    let in_a_loop = places.iter().zip(is_reached).find(|(_, reached)| !reached);
-    let name = in_a_loop.map_or_else(String::new, |(place, _)| label(&place.node));
-    Err(SceneError::new(format!("{name} is its own ancestor, or below a node that is")))
-}
-
-/// Finds an animation and gives its channels to the nodes that they move.
-fn read_tracks(
-    document: &Document,
-    buffers: &Buffers,
-    wanted: &Animation,
-    places: &mut [Place<'_>],
-) -> Result<(), SceneError> {
-    let known = || {
-        let name = |animation: ::gltf::Animation<'_>| match animation.name() {
-            Some(name) => format!("{} (`{name}`)", animation.index()),
-            None => animation.index().to_string(),
-        };
-        document.animations().map(name).collect::<Vec<_>>().join(", ")
-    };
-    let mut found = document.animations().filter(|animation| match wanted {
-        Animation::Number(number) => animation.index() == *number,
-        Animation::Name(name) => animation.name() == Some(name),
-    });
-    let animation = match (found.next(), found.next()) {
-        (Some(animation), None) => animation,
-        (Some(_), Some(_)) => {
-            return Err(SceneError::new(format!("more than one animation is called {wanted}"))
-                .with_remedy(format!("choose by number; known: {}", known())));
-        }
-        (None, _) if document.animations().len() == 0 => return Err(SceneError::new("it has no animations")),
-        (None, _) => return Err(SceneError::new(format!("it has no animation {wanted}; known: {}", known()))),
-    };
-    // The crate's validation takes targets for granted, so they are looked at in its JSON first.
-    let channels = document.as_json().animations.get(animation.index()).map(|json| &json.channels[..]);
-    for (channel, json) in animation.channels().zip(channels.unwrap_or(&[])) {
-        let about = |problem: String| SceneError::new(format!("animation {wanted}: {problem}"));
-        let Some(place) = places.get_mut(json.target.node.value()) else {
-            return Err(about(format!("node {} is named, but doesn't exist", json.target.node.value())));
-        };
-        match json.target.path {
-            Checked::Valid(Property::MorphTargetWeights) => {
-                let targets = |mesh: ::gltf::Mesh<'_>| mesh.primitives().map(|p| p.morph_targets().len()).max();
-                let Some(count) = place.node.mesh().and_then(targets) else { continue };
-                if count == 0 {
-                    return Err(about(format!("{}: its mesh has no morph targets to move", label(&place.node))));
-                }
-                if !place.weights.is_empty() {
-                    return Err(about(format!("{}: two channels move its weights", label(&place.node))));
-                }
-                place.weights = weights(&channel.sampler(), buffers, count)
-                    .map_err(|error| about(format!("{}: {}", label(&place.node), error.problem)))?;
-            }
-            Checked::Valid(property) => {
-                let tracks = place.tracks.get_or_insert_default();
-                tracks.add(property, &channel.sampler(), buffers).map_err(|error| SceneError {
-                    problem: format!("animation {wanted}: {}: {}", label(&place.node), error.problem),
-                    ..error
-                })?;
-            }
-            Checked::Invalid => return Err(about("a channel moves what glTF doesn't know".to_owned())),
-        }
-    }
-    Ok(())
 }
