@@ -33,7 +33,7 @@ struct Level {
 /// First moments of a map, in environment space.
 #[derive(Debug)]
 pub(crate) struct MapIrradiance {
-    /// From the leaves to one patch.
+    /// Levels from the leaves to one patch.
     levels: Vec<Level>,
     /// The cells of the leaves, in the order of the last level's patches.
     leaves: Vec<Leaf>,

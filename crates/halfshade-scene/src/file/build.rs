@@ -1,4 +1,4 @@
-//! From a scene file's tables to a scene, every value checked.
+//! Scenes from the tables of scene files, every value checked.
 
 use super::document::{AnimationTable, CameraTable, Document, KeyframeTable, LightTable, Meshes, ObjectTable};
 use super::environment::environment;

@@ -78,7 +78,7 @@ struct Collector<'a> {
     has_mesh: bool,
 }
 
-/// How many parts there were of what isn't read.
+/// Number of parts of each kind that isn't read.
 #[derive(Default)]
 struct LeftOut {
     lines: usize,

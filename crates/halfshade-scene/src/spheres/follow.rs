@@ -18,7 +18,7 @@ use nalgebra::{Matrix4, SymmetricEigen};
 use rayon::prelude::*;
 use std::collections::HashSet;
 
-/// How often a triangle is halved at most; what then still lies in no single sphere goes to the nearest.
+/// Most halvings of a triangle; what then still lies in no single sphere goes to the nearest.
 const MOST_CUTS: u32 = 12;
 
 /// Vertices that a sphere follows which holds no part of the surface.
@@ -43,12 +43,12 @@ struct Bound {
     reach: f64,
 }
 
-/// Where a bound sphere is.
+/// A bound sphere at a moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Followed {
     /// The sphere, in the object's space.
     pub sphere: Sphere,
-    /// How its part of the surface has turned since rest.
+    /// Rotation of its part of the surface since rest.
     pub rotation: DQuat,
 }
 

@@ -39,7 +39,7 @@ pub(super) struct Solid {
     pub(super) open_fraction: f64,
 }
 
-/// Where line `index` of a lattice lies. The irrational shift keeps lines off the vertices of regular meshes.
+/// Position of line `index` of a lattice. The irrational shift keeps lines off the vertices of regular meshes.
 fn line_position(index: i64, step: f64) -> f64 {
     (index as f64 + 0.381_966_011_250_105) * step
 }

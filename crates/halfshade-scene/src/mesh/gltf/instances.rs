@@ -24,7 +24,7 @@ pub(super) fn note(json: &Root) -> Option<String> {
     (!names.is_empty()).then(|| format!("attributes of copies left out ({NAME}): {names}"))
 }
 
-/// Where the copies stand that a node asks for, in its space; one at its place where it asks for none.
+/// Places of the copies that a node asks for, in its space; one at its place where it asks for none.
 pub(super) fn instances(node: &Node<'_>, document: &Document, buffers: &Buffers) -> Result<Vec<DMat4>, SceneError> {
     let Some(extension) = node.extension_value(NAME) else { return Ok(vec![DMat4::IDENTITY]) };
     let about = |problem: String| SceneError::new(format!("{NAME}: {problem}"));

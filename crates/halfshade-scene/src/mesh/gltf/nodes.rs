@@ -11,16 +11,16 @@ pub(super) struct Place<'a> {
     pub(super) node: Node<'a>,
     pub(super) parent: Option<usize>,
     pub(super) parent_from_node: DMat4,
-    /// As the document has it, without an animation.
+    /// The node's transform as the document has it, without an animation.
     pub(super) world_from_node: DMat4,
     /// The nearest node, itself or above, that the animation moves; without one, the world.
     pub(super) moved: Option<usize>,
-    /// From the node's space into that of `moved`.
+    /// Transform from the node's space into that of `moved`.
     pub(super) moved_from_node: DMat4,
     pub(super) tracks: Option<Tracks>,
-    /// How the animation moves the weights of its mesh's morph targets.
+    /// Animated weights of its mesh's morph targets.
     pub(super) weights: Vec<Weights>,
-    /// Its number among the joints, once it is one.
+    /// Index among the joints, once it is one.
     pub(super) joint: Option<usize>,
 }
 

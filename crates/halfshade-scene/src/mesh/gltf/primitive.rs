@@ -36,7 +36,7 @@ pub(super) struct Part<'a> {
     surface: Surface<'a>,
 }
 
-/// Where the vertices of a primitive go.
+/// Placement of the vertices of a primitive.
 pub(super) enum Placement<'a> {
     /// All where a matrix takes them.
     Rigid(DMat4),

@@ -41,7 +41,7 @@ pub(super) struct Skeleton<'a> {
     binding_of: HashMap<usize, usize>,
 }
 
-/// How a mesh hangs on the skeleton.
+/// Binding of a mesh to the skeleton.
 struct Binding {
     world_from_mesh: DMat4,
     /// Node and `B_j · G⁻¹` of each joint of the skin; empty where the mesh follows `joints[0]` as a whole.
@@ -65,7 +65,7 @@ impl<'a> Skeleton<'a> {
         Ok(Self { buffers, places, joints, is_bound, bindings, binding_of })
     }
 
-    /// How the mesh of a node hangs on the skeleton, by number, and where it is at rest.
+    /// Binding of a node's mesh to the skeleton, by number, and the place of the mesh at rest.
     pub(super) fn bind(&mut self, node: &Node<'_>) -> Result<(usize, DMat4), SceneError> {
         let known = node.skin().and_then(|skin| self.binding_of.get(&skin.index()).copied());
         let number = known.unwrap_or(self.bindings.len());
@@ -106,7 +106,7 @@ impl<'a> Skeleton<'a> {
         Ok(result)
     }
 
-    /// Where the joints of a skin, as the document has them, take each vertex of a primitive.
+    /// Transform of each vertex of a primitive by the joints of a skin, as the document has them.
     pub(super) fn at_joints(
         &self,
         skin: &::gltf::Skin<'_>,
@@ -134,7 +134,7 @@ impl<'a> Skeleton<'a> {
         self.weights_of_joints(primitive, count)?.into_iter().enumerate().map(blended).collect()
     }
 
-    /// How an animation moves the weights of a node's morph targets; empty where it doesn't.
+    /// Animated weights of a node's morph targets; empty where there are none.
     pub(super) fn weights(&self, node: usize) -> &[Weights] {
         &self.places[node].weights
     }

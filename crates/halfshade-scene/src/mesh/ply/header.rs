@@ -3,7 +3,7 @@
 use crate::SceneError;
 use crate::mesh::words::{Words, shown};
 
-/// How numbers are written after the header.
+/// Encoding of numbers after the header.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Format {
     Ascii,

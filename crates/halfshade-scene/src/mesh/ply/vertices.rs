@@ -40,12 +40,12 @@ pub(super) struct Vertices {
     pub(super) colors: Option<FileColors>,
     /// Empty, or one per position: u, and v upward.
     pub(super) coordinates: Vec<[f64; 2]>,
-    /// Where they stand in a text.
+    /// Lines in a text.
     pub(super) lines: Vec<usize>,
     pub(super) notes: Vec<String>,
 }
 
-/// Which property of an element is which value of a vertex.
+/// Assignment of an element's properties to values of a vertex.
 struct Layout<'a> {
     element: &'a Element,
     /// Place of each property's value, where it is read.
