@@ -1,6 +1,6 @@
 //! The channels of one animation of a glTF document, given to the nodes that they move.
 
-use super::nodes::{Place, label};
+use super::nodes::{PlacedNode, label};
 use super::track::weights;
 use super::{Animation, Buffers};
 use crate::SceneError;
@@ -13,7 +13,7 @@ pub(super) fn read_channels(
     document: &Document,
     buffers: &Buffers,
     wanted: &Animation,
-    places: &mut [Place<'_>],
+    places: &mut [PlacedNode<'_>],
 ) -> Result<(), SceneError> {
     let known = || {
         let name = |animation: ::gltf::Animation<'_>| match animation.name() {

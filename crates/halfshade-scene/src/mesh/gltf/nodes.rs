@@ -7,7 +7,7 @@ use ::gltf::{Document, Node};
 use glam::{DMat4, DQuat, DVec3};
 
 /// A node of the document.
-pub(super) struct Place<'a> {
+pub(super) struct PlacedNode<'a> {
     pub(super) node: Node<'a>,
     pub(super) parent: Option<usize>,
     pub(super) parent_from_node: DMat4,
@@ -25,20 +25,30 @@ pub(super) struct Place<'a> {
 }
 
 /// The nodes of a document, without an animation.
-pub(super) fn places(document: &Document) -> Result<Vec<Place<'_>>, SceneError> {
+pub(super) fn places(document: &Document) -> Result<Vec<PlacedNode<'_>>, SceneError> {
     let parents = parents(document)?;
     Ok((document.nodes().zip(parents))
         .map(|(node, parent)| {
             let parent_from_node = world_from(&node, DMat4::IDENTITY);
             let (world_from_node, moved_from_node) = (DMat4::IDENTITY, DMat4::IDENTITY);
             let (moved, tracks, weights, joint) = (None, None, Vec::new(), None);
-            Place { node, parent, parent_from_node, world_from_node, moved, moved_from_node, tracks, weights, joint }
+            PlacedNode {
+                node,
+                parent,
+                parent_from_node,
+                world_from_node,
+                moved,
+                moved_from_node,
+                tracks,
+                weights,
+                joint,
+            }
         })
         .collect())
 }
 
 /// Finds for each node where it is and which node moves it, once those that the animation moves are known.
-pub(super) fn follow_moved(places: &mut [Place<'_>]) -> Result<(), SceneError> {
+pub(super) fn follow_moved(places: &mut [PlacedNode<'_>]) -> Result<(), SceneError> {
     for index in parents_first(places)? {
         let above = places[index].parent.map(|parent| &places[parent]);
         let (world, moved, moved_from_parent) =
@@ -66,7 +76,7 @@ pub(super) fn label(node: &Node<'_>) -> String {
 }
 
 /// Translation, rotation and scale of a node.
-pub(super) fn base(place: &Place<'_>) -> Result<(DVec3, DQuat, DVec3), SceneError> {
+pub(super) fn base(place: &PlacedNode<'_>) -> Result<(DVec3, DQuat, DVec3), SceneError> {
     match place.node.transform() {
         Transform::Decomposed { translation, rotation, scale } => {
             let rotation = DQuat::from_array(rotation.map(f64::from));
@@ -94,7 +104,7 @@ fn parents(document: &Document) -> Result<Vec<Option<usize>>, SceneError> {
 }
 
 /// All nodes, parents before their children.
-fn parents_first(places: &[Place<'_>]) -> Result<Vec<usize>, SceneError> {
+fn parents_first(places: &[PlacedNode<'_>]) -> Result<Vec<usize>, SceneError> {
     let mut order: Vec<usize> = (0..places.len()).filter(|&index| places[index].parent.is_none()).collect();
     let mut next = 0;
     while let Some(&index) = order.get(next) {

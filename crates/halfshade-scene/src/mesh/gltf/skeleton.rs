@@ -14,9 +14,9 @@
 //! Only nodes that the animation moves, and nodes above them, become joints: what stands still below them is folded into
 //! `joint_from_rest`, where it may be any affine map. Joints must be similarities, as a [`crate::Pose`] is.
 
-use super::accessor::{Whole, numbers};
+use super::accessor::{WholeNumbers, numbers};
 use super::channels::read_channels;
-use super::nodes::{Place, base, follow_moved, label, places};
+use super::nodes::{PlacedNode, base, follow_moved, label, places};
 use super::track::{Weights, pose_of};
 use super::{Animation, Buffers};
 use crate::skin::INFLUENCES;
@@ -32,7 +32,7 @@ pub(super) type Influences = [(u16, f32); INFLUENCES];
 /// The nodes of a document, one animation, and the joints that meshes needed so far.
 pub(super) struct Skeleton<'a> {
     buffers: &'a Buffers,
-    places: Vec<Place<'a>>,
+    places: Vec<PlacedNode<'a>>,
     joints: Vec<Joint>,
     /// Whether the `joint_from_rest` of a joint is in use.
     is_bound: Vec<bool>,
@@ -150,8 +150,8 @@ impl<'a> Skeleton<'a> {
                 (None, None) if set > 0 => break,
                 _ => return Err(SceneError::new(format!("a primitive with a skin lacks {what}"))),
             };
-            let joints = numbers::<4>(&joints, self.buffers, Dimensions::Vec4, Whole::Number)?;
-            let weights = numbers::<4>(&weights, self.buffers, Dimensions::Vec4, Whole::Fraction)?;
+            let joints = numbers::<4>(&joints, self.buffers, Dimensions::Vec4, WholeNumbers::Number)?;
+            let weights = numbers::<4>(&weights, self.buffers, Dimensions::Vec4, WholeNumbers::Fraction)?;
             if joints.len() != count || weights.len() != count {
                 let (joints, weights) = (joints.len(), weights.len());
                 let problem = format!("{joints} joints and {weights} weights of {what} for {count} positions");
@@ -189,7 +189,7 @@ impl<'a> Skeleton<'a> {
     fn joints_of(&self, skin: &::gltf::Skin<'_>) -> Result<(Vec<usize>, Vec<DMat4>), SceneError> {
         let nodes: Vec<usize> = skin.joints().map(|node| node.index()).collect();
         let inverse_binds: Vec<DMat4> = match skin.inverse_bind_matrices() {
-            Some(accessor) => numbers::<16>(&accessor, self.buffers, Dimensions::Mat4, Whole::Refused)?
+            Some(accessor) => numbers::<16>(&accessor, self.buffers, Dimensions::Mat4, WholeNumbers::Refused)?
                 .iter()
                 .map(DMat4::from_cols_array)
                 .collect(),
@@ -249,7 +249,7 @@ impl<'a> Skeleton<'a> {
 
     /// A joint that carries along what lies in the space of `node` at rest.
     fn attach(&mut self, node: usize, node_from_rest: DMat4) -> Result<usize, SceneError> {
-        let Place { moved, moved_from_node, .. } = self.places[node];
+        let PlacedNode { moved, moved_from_node, .. } = self.places[node];
         let joint_from_rest = affine(moved_from_node * node_from_rest).filter(|m| m.as_mat4().is_finite());
         let Some(joint_from_rest) = joint_from_rest else {
             let problem = format!("the inverse bind matrix of {} is not affine or not finite", self.label(node));
