@@ -27,7 +27,7 @@ pub struct Cache {
     folder: Option<PathBuf>,
 }
 
-/// Where cached data came from.
+/// Origin of cached data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CacheSource {
     /// Read from the cache.
@@ -97,7 +97,7 @@ impl Cache {
         Self { folder: None }
     }
 
-    /// Where entries lie, if anything is cached.
+    /// Folder of the entries, if anything is cached.
     pub fn folder(&self) -> Option<&Path> {
         self.folder.as_deref()
     }

@@ -21,7 +21,7 @@ pub struct Frame<'a> {
     pub lights: Vec<SphereLight>,
 }
 
-/// Where all objects of a frame are: what is equal needs no new acceleration structure.
+/// Places of all objects of a frame: what is equal needs no new acceleration structure.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Placement {
     world_from_object: Vec<Pose>,
@@ -90,7 +90,7 @@ impl Frame<'_> {
         now
     }
 
-    /// Where all objects are.
+    /// Places of all objects.
     pub fn placement(&self) -> Placement {
         Placement { world_from_object: self.world_from_object.clone(), deformed: self.deformed.clone() }
     }

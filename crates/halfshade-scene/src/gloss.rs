@@ -39,7 +39,7 @@ impl Default for Gloss {
     }
 }
 
-/// Where a surface has which [`Gloss`]: the product of what its vertices and its textures say.
+/// Variation of [`Gloss`] over a surface: the product of what its vertices and its textures say.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct GlossVariation {
     /// One per vertex of the mesh, interpolated in between; or empty.

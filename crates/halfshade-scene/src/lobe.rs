@@ -61,7 +61,7 @@ impl Lobe {
     }
 }
 
-/// How many lobes a list holds: the diffuse one may join.
+/// Most lobes that a list holds: the diffuse one may join.
 const CAPACITY: usize = MAX_LOBES + 1;
 
 /// The lobes of one receiver: a short list that needs no allocation.

@@ -1,4 +1,4 @@
-//! How a surface reflects.
+//! Materials: how surfaces reflect.
 
 use crate::{GlossVariation, Reflectance, Texture};
 use glam::Vec3;
@@ -14,7 +14,7 @@ pub struct Material {
     pub texture: Option<Arc<Texture>>,
     /// Reflection beside the diffuse part.
     pub reflectance: Reflectance,
-    /// How that varies over the surface, if it does.
+    /// Variation of the reflectance over the surface, if there is any.
     pub gloss_variation: Option<Arc<GlossVariation>>,
 }
 

@@ -10,14 +10,14 @@ use glam::Vec3;
 /// A morph target of a mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MorphTarget {
-    /// Its weight beyond that at rest: keys `(time_secs, weight)` in rising order of time, at least one, linear in between.
+    /// Weight beyond that at rest: keys `(time_secs, weight)` in rising order of time, at least one, linear in between.
     /// Outside the nearest one holds.
     pub weight: Vec<(f64, f32)>,
     /// Shifts of the vertices that move; each vertex at most once.
     pub shifts: Vec<MorphShift>,
 }
 
-/// Where a vertex goes with a weight of 1.
+/// Shift of a vertex with a weight of 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MorphShift {
     /// The vertex.

@@ -2,7 +2,7 @@
 
 use crate::Pose;
 
-/// How a pose changes over time.
+/// Pose over time.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Motion {
     /// It doesn't.

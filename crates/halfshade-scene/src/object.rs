@@ -9,19 +9,19 @@ use std::sync::Arc;
 pub struct Object {
     /// A name for messages and tables.
     pub name: String,
-    /// Its surface, in object space.
+    /// Surface, in object space.
     pub mesh: Arc<Mesh>,
-    /// How it reflects.
+    /// Material.
     pub material: Material,
-    /// How many leaf spheres approximate it as a blocker; 0: it receives only.
+    /// Number of leaf spheres that approximate it as a blocker; 0: it receives only.
     pub sphere_count: usize,
     /// The sphere set in object space, once built (see [`crate::spheres`]); empty when `sphere_count` is 0.
     pub spheres: Option<Arc<SphereSet>>,
-    /// How many receiver clusters its vertices form ([Guerrero2007, 4.1]); 0: left to the strategy.
+    /// Number of receiver clusters of its vertices ([Guerrero2007, 4.1]); 0: left to the strategy.
     pub cluster_count: usize,
-    /// Its pose over time.
+    /// Pose over time.
     pub motion: Motion,
-    /// How its mesh deforms over time; the mesh and its spheres are those at rest.
+    /// Deformation of the mesh over time; the mesh and its spheres are those at rest.
     pub skin: Option<Arc<Skin>>,
 }
 
@@ -81,7 +81,7 @@ impl Object {
         Self { skin: Some(skin.into()), ..self }
     }
 
-    /// Its vertices at a moment, if it has a skin that fits its mesh.
+    /// Vertices at a moment, if it has a skin that fits its mesh.
     pub fn deformed(&self, time_secs: f64) -> Option<Arc<Deformed>> {
         let skin = self.skin.as_ref().filter(|skin| skin.influences.len() == self.mesh.positions.len())?;
         Some(Arc::new(skin.deform(&self.mesh, time_secs)))

@@ -1,4 +1,4 @@
-//! Where an object stands: a similarity transform.
+//! Pose of an object: a similarity transform.
 
 use glam::{Quat, Vec3};
 use serde::Serialize;

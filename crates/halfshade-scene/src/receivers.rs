@@ -15,7 +15,7 @@ pub struct ReceiverBuffer {
     pub albedo: [Vec<f32>; 3],
     /// The object each receiver lies on.
     pub object: Vec<u32>,
-    /// Where on that object.
+    /// Points on those objects.
     pub surface: Vec<SurfacePoint>,
     /// A number that is stable within the scene: for a vertex receiver its vertex, counted over all objects.
     pub index: Vec<u32>,
@@ -36,7 +36,7 @@ pub struct Receivers<'a> {
     pub albedo: [&'a [f32]; 3],
     /// The object each receiver lies on.
     pub object: &'a [u32],
-    /// Where on that object.
+    /// Points on those objects.
     pub surface: &'a [SurfacePoint],
     /// Stable numbers.
     pub index: &'a [u32],
@@ -59,7 +59,7 @@ pub struct ReceiverPoint {
     pub gloss: Gloss,
     /// The object that it lies on.
     pub object: u32,
-    /// Where on that object.
+    /// Point on that object.
     pub surface: SurfacePoint,
 }
 
@@ -187,7 +187,7 @@ impl ReceiverBuffer {
         self.exponent_factor.clear();
     }
 
-    /// How many there are.
+    /// Number of receivers.
     pub fn len(&self) -> usize {
         self.object.len()
     }
@@ -213,7 +213,7 @@ impl ReceiverBuffer {
 }
 
 impl<'a> Receivers<'a> {
-    /// How many there are.
+    /// Number of receivers.
     pub fn len(&self) -> usize {
         self.object.len()
     }
@@ -298,7 +298,7 @@ impl RadianceBuffer {
         Self { channels: std::array::from_fn(|_| vec![0.0; len]) }
     }
 
-    /// How many receivers it is for.
+    /// Number of receivers.
     pub fn len(&self) -> usize {
         self.channels[0].len()
     }
@@ -320,7 +320,7 @@ impl RadianceBuffer {
 }
 
 impl<'a> RadianceMut<'a> {
-    /// How many receivers it is for.
+    /// Number of receivers.
     pub fn len(&self) -> usize {
         self.channels[0].len()
     }

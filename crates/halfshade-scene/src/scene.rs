@@ -28,7 +28,7 @@ pub struct Scene {
     pub frames_per_sec: f64,
     /// Length of the animation in frames, at least 1.
     pub frame_count: usize,
-    /// How many bounces of light are asked for: 0 is direct light alone. At most [`MAX_BOUNCES`].
+    /// Number of bounces of light: 0 is direct light alone. At most [`MAX_BOUNCES`].
     pub bounces: usize,
     /// Notes on what was repaired or left out when files were read, for people; each names its file.
     pub notes: Vec<String>,

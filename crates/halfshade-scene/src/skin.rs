@@ -33,7 +33,7 @@ pub struct Joint {
 pub struct Skin {
     /// Parents before their children.
     pub joints: Vec<Joint>,
-    /// Per vertex the joints that move it and their weights, which are not negative and add up to 1.
+    /// Joints that move each vertex, and their weights, which are not negative and add up to 1.
     pub influences: Vec<[(u16, f32); INFLUENCES]>,
     /// Morph targets, if there are any.
     pub morphs: Vec<MorphTarget>,

@@ -1,4 +1,4 @@
-//! Where on its object a receiver lies: there, what is baked per vertex is interpolated, whoever baked it.
+//! Points on objects at which receivers lie: there, what is baked per vertex is interpolated, whoever baked it.
 
 use crate::Mesh;
 
@@ -9,7 +9,7 @@ pub enum SurfacePoint {
     Vertex(u32),
     /// A point of a triangle of the mesh.
     Triangle {
-        /// Its place in `mesh.triangles`.
+        /// Index in `mesh.triangles`.
         triangle: u32,
         /// Weights of its vertices, of sum 1.
         barycentric: [f32; 3],

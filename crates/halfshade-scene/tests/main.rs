@@ -1,6 +1,7 @@
 //! Tests of every format that is read, as one program: linking is slow.
 
 mod bad_input;
+mod damaged_meshes;
 mod gltf;
 mod mesh_files;
 mod probe_files;

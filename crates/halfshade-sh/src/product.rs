@@ -5,7 +5,7 @@ use crate::tripling::{self, Triple};
 use nalgebra::DMatrix;
 use std::sync::OnceLock;
 
-/// How many bands keep their tensor once it has been computed.
+/// Number of bands that keep their tensor once it has been computed.
 const CACHED_BANDS: usize = 12;
 
 /// The non-zero tripling coefficients of `bands` bands with `i <= j <= k`; computed once per number of bands.

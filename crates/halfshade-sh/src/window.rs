@@ -14,7 +14,7 @@ pub enum Window {
     Lanczos,
     /// `1/(1 + λ l²(l+1)²)`: least squared Laplacian with weight λ >= 0.
     Laplacian {
-        /// How much the squared Laplacian counts; 0 is no window.
+        /// Weight of the squared Laplacian; 0 is no window.
         lambda: f64,
     },
 }

@@ -7,7 +7,7 @@ pub(crate) const BATCH: usize = 64;
 #[derive(Debug)]
 #[repr(align(64))]
 pub(crate) struct Batch {
-    /// How many samples are in use.
+    /// Number of samples in use.
     pub(crate) len: usize,
     /// Unit directions in world space: x, y, z.
     pub(crate) direction: [[f32; BATCH]; 3],

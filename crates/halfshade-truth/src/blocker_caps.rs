@@ -15,7 +15,7 @@ struct BlockerCap {
     axis: [f32; 3],
     sine_squared: f32,
     distance: f32,
-    /// Its place among the tracer's spheres.
+    /// Index among the tracer's spheres.
     sphere: u32,
 }
 

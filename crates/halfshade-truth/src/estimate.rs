@@ -25,7 +25,7 @@ use crate::{
     batch::{BATCH, Batch},
     blocker_caps::BlockerCaps,
     environment::LUMINANCE,
-    glossy::{GlossyIntegral, Way},
+    glossy::{GlossyIntegral, GlossyTechnique},
     lights::Integral,
     mixture::Mixture,
     options::{Geometry, MAX_SAMPLES, Options, REPLICATES, Transport},
@@ -330,12 +330,12 @@ impl<'a> Worker<'a> {
         for (number, integral) in tracer.lights.integrals().enumerate() {
             let glossy = GlossyIntegral::new(tracer, integral, receiver, mixture);
             let mut sums = [Sums::default(); REPLICATES];
-            for (which, way) in Way::BOTH.into_iter().enumerate() {
+            for (which, technique) in GlossyTechnique::BOTH.into_iter().enumerate() {
                 for (replicate, sum) in sums.iter_mut().enumerate() {
-                    let technique = FIRST_GLOSSY_SCRAMBLE + 2 * number as u32 + which as u32;
-                    let scramble = Scramble::new(options.seed, index, technique, replicate as u32);
+                    let stream = FIRST_GLOSSY_SCRAMBLE + 2 * number as u32 + which as u32;
+                    let scramble = Scramble::new(options.seed, index, stream, replicate as u32);
                     for points in points.as_slice().chunks(BATCH) {
-                        if !glossy.sample(way, points, scramble, batch) {
+                        if !glossy.sample(technique, points, scramble, batch) {
                             break;
                         }
                         *rays += match options.geometry {

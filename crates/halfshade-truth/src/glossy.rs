@@ -23,14 +23,14 @@ use crate::{
 };
 use glam::DVec3;
 
-/// One of the two ways to draw.
+/// Technique by which directions are drawn at a glossy receiver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Way {
+pub(crate) enum GlossyTechnique {
     Light,
     Reflectance,
 }
 
-impl Way {
+impl GlossyTechnique {
     pub(crate) const BOTH: [Self; 2] = [Self::Light, Self::Reflectance];
 }
 
@@ -46,12 +46,18 @@ impl<'a> GlossyIntegral<'a> {
     }
 
     /// Draws samples for at most one batch of points: values are radiance times reflectance over the densities' sum. `false`
-    /// if this way isn't taken.
-    pub(crate) fn sample(&self, way: Way, points: &[[u32; 2]], scramble: Scramble, batch: &mut Batch) -> bool {
-        let densities = match way {
-            Way::Light if !self.source.is_drawn() => return false,
-            Way::Light => self.source.draw(points, scramble, batch),
-            Way::Reflectance => {
+    /// if this technique isn't taken.
+    pub(crate) fn sample(
+        &self,
+        technique: GlossyTechnique,
+        points: &[[u32; 2]],
+        scramble: Scramble,
+        batch: &mut Batch,
+    ) -> bool {
+        let densities = match technique {
+            GlossyTechnique::Light if !self.source.is_drawn() => return false,
+            GlossyTechnique::Light => self.source.draw(points, scramble, batch),
+            GlossyTechnique::Reflectance => {
                 batch.len = points.len();
                 for (k, &point) in points.iter().enumerate() {
                     batch.set_direction(k, self.mixture.sample(scramble.apply(point).map(unit_f64)).to_array());

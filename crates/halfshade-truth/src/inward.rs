@@ -1,4 +1,4 @@
-//! Which way the surface lies from a vertex at the rim of a smooth patch.
+//! Directions into the surface from vertices at the rim of a smooth patch.
 //!
 //! Where walls meet with split normals, a vertex lies in the planes of all of them, and rays that start there could pass
 //! on either side. They belong to the patch whose normal the vertex carries, so they start a little inside that patch.

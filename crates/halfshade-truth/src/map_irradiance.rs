@@ -33,7 +33,7 @@ struct Level {
 /// First moments of a map, in environment space.
 #[derive(Debug)]
 pub(crate) struct MapIrradiance {
-    /// From the leaves to one patch.
+    /// Levels from the leaves to one patch.
     levels: Vec<Level>,
     /// The cells of the leaves, in the order of the last level's patches.
     leaves: Vec<Leaf>,
@@ -47,61 +47,84 @@ pub(crate) struct MapIrradiance {
 /// Radiance times solid angle of a leaf's cells, per row and channel; 0 past the map's edges.
 type Leaf = [[f32x8; 3]; LEAF];
 
-impl MapIrradiance {
-    pub(crate) fn new(map: &EnvironmentMap, world_from_environment: Quat) -> Self {
+/// The cells of a map: its texels, divided until they are small enough.
+struct Grid<'a> {
+    map: &'a EnvironmentMap,
+    /// Cells per texel along each side.
+    division: usize,
+    /// Columns and rows.
+    cells: [usize; 2],
+}
+
+impl<'a> Grid<'a> {
+    fn new(map: &'a EnvironmentMap) -> Self {
         let division = COLUMNS.div_ceil(map.width()).max((COLUMNS / 2).div_ceil(map.height()));
-        let cells = [map.width() * division, map.height() * division];
-        let azimuth_at = |edge: f64| TAU * (edge / cells[0] as f64 - 0.5);
-        let polar_at = |edge: f64| PI * edge / cells[1] as f64;
-        let sin_cos = |angle: f64| [angle.sin() as f32, angle.cos() as f32];
-        let mut size = cells.map(|n| n.div_ceil(LEAF));
-        let azimuths = (0..size[0])
-            .map(|leaf| {
-                let of_cells: [_; LEAF] = std::array::from_fn(|k| sin_cos(azimuth_at((leaf * LEAF + k) as f64 + 0.5)));
-                [0, 1].map(|part| f32x8::new(of_cells.map(|cell| cell[part])))
-            })
-            .collect();
-        let polars = (0..size[1] * LEAF).map(|row| sin_cos(polar_at(row as f64 + 0.5))).collect();
-        let solid_angle =
-            |row: usize| TAU / cells[0] as f64 * (polar_at(row as f64).cos() - polar_at(row as f64 + 1.0).cos());
+        Self { map, division, cells: [map.width() * division, map.height() * division] }
+    }
 
-        // Exact first moments of the strips that a leaf's rows and columns make: ∫ ω dω over a cell of azimuths
-        // [a, b] and polar angles [s, t] is (P·∫sin φ, (sin²t - sin²s)/2·(b - a), -P·∫cos φ), P = ∫ sin²θ dθ.
-        let cell_moment = |column: usize, row: usize| -> DVec3 {
-            let (a, b) = (azimuth_at(column as f64), azimuth_at(column as f64 + 1.0));
-            let (s, t) = (polar_at(row as f64), polar_at(row as f64 + 1.0));
-            let across = 0.5 * (t - s) - 0.25 * ((2.0 * t).sin() - (2.0 * s).sin());
-            DVec3::new(
-                across * (a.cos() - b.cos()),
-                0.5 * (t.sin().powi(2) - s.sin().powi(2)) * (b - a),
-                -across * (b.sin() - a.sin()),
-            )
-        };
-        let texel_at = |column: usize, row: usize| map.texels()[row / division * map.width() + column / division];
-        let cap = |columns: [usize; 2], rows: [usize; 2]| -> (Vec3, f32) {
-            let (azimuth, polar) =
-                (azimuth_at(0.5 * (columns[0] + columns[1]) as f64), polar_at(0.5 * (rows[0] + rows[1]) as f64));
-            let center = DVec3::new(polar.sin() * azimuth.sin(), polar.cos(), -polar.sin() * azimuth.cos());
-            // Along the meridian, then along the widest parallel.
-            let (first, last) = (polar_at(rows[0] as f64), polar_at(rows[1] as f64));
-            let widest = (0.5 * PI).clamp(first, last).sin();
-            let across = azimuth_at(columns[1] as f64) - azimuth_at(columns[0] as f64);
-            let radius = 0.5 * (last - first + across * widest);
-            (center.as_vec3(), if radius < 0.5 * PI { (radius.sin() + 1e-6) as f32 } else { f32::INFINITY })
-        };
+    /// Azimuth of an edge between columns, or of anything between edges.
+    fn azimuth_at(&self, edge: f64) -> f64 {
+        TAU * (edge / self.cells[0] as f64 - 0.5)
+    }
 
+    /// Polar angle of an edge between rows, or of anything between edges.
+    fn polar_at(&self, edge: f64) -> f64 {
+        PI * edge / self.cells[1] as f64
+    }
+
+    /// Solid angle of each cell of a row.
+    fn solid_angle(&self, row: usize) -> f64 {
+        TAU / self.cells[0] as f64 * (self.polar_at(row as f64).cos() - self.polar_at(row as f64 + 1.0).cos())
+    }
+
+    /// `∫ ω dω` over a cell, exactly: over azimuths [a, b] and polar angles [s, t] it is
+    /// (P·∫sin φ, (sin²t - sin²s)/2·(b - a), -P·∫cos φ), P = ∫ sin²θ dθ.
+    fn first_moment(&self, column: usize, row: usize) -> DVec3 {
+        let (a, b) = (self.azimuth_at(column as f64), self.azimuth_at(column as f64 + 1.0));
+        let (s, t) = (self.polar_at(row as f64), self.polar_at(row as f64 + 1.0));
+        let across = 0.5 * (t - s) - 0.25 * ((2.0 * t).sin() - (2.0 * s).sin());
+        DVec3::new(
+            across * (a.cos() - b.cos()),
+            0.5 * (t.sin().powi(2) - s.sin().powi(2)) * (b - a),
+            -across * (b.sin() - a.sin()),
+        )
+    }
+
+    /// The texel in which a cell lies.
+    fn texel_at(&self, column: usize, row: usize) -> Vec3 {
+        self.map.texels()[row / self.division * self.map.width() + column / self.division]
+    }
+
+    /// A spherical cap that holds a patch of cells: its centre and the sine of its angular radius, infinite past a right
+    /// angle.
+    fn cap(&self, columns: [usize; 2], rows: [usize; 2]) -> (Vec3, f32) {
+        let azimuth = self.azimuth_at(0.5 * (columns[0] + columns[1]) as f64);
+        let polar = self.polar_at(0.5 * (rows[0] + rows[1]) as f64);
+        let center = DVec3::new(polar.sin() * azimuth.sin(), polar.cos(), -polar.sin() * azimuth.cos());
+        // Along the meridian, then along the widest parallel.
+        let (first, last) = (self.polar_at(rows[0] as f64), self.polar_at(rows[1] as f64));
+        let widest = (0.5 * PI).clamp(first, last).sin();
+        let across = self.azimuth_at(columns[1] as f64) - self.azimuth_at(columns[0] as f64);
+        let radius = 0.5 * (last - first + across * widest);
+        (center.as_vec3(), if radius < 0.5 * PI { (radius.sin() + 1e-6) as f32 } else { f32::INFINITY })
+    }
+
+    /// The leaves of the quadtree, row by row, and the patch of each.
+    fn leaves(&self) -> (Vec<Leaf>, Level) {
+        let size = self.cells.map(|n| n.div_ceil(LEAF));
         let mut patches = Vec::with_capacity(size[0] * size[1]);
         let mut leaves = Vec::with_capacity(size[0] * size[1]);
         for leaf_row in 0..size[1] {
             for leaf_column in 0..size[0] {
-                let columns = [leaf_column * LEAF, ((leaf_column + 1) * LEAF).min(cells[0])];
-                let rows = [leaf_row * LEAF, ((leaf_row + 1) * LEAF).min(cells[1])];
+                let columns = [leaf_column * LEAF, ((leaf_column + 1) * LEAF).min(self.cells[0])];
+                let rows = [leaf_row * LEAF, ((leaf_row + 1) * LEAF).min(self.cells[1])];
                 let mut moment = [DVec3::ZERO; 3];
                 let mut leaf = [[[0.0_f32; LEAF]; 3]; LEAF];
                 for row in rows[0]..rows[1] {
-                    let solid_angle = solid_angle(row);
+                    let solid_angle = self.solid_angle(row);
                     for column in columns[0]..columns[1] {
-                        let (texel, cell) = (texel_at(column, row).as_dvec3().to_array(), cell_moment(column, row));
+                        let texel = self.texel_at(column, row).as_dvec3().to_array();
+                        let cell = self.first_moment(column, row);
                         for channel in 0..3 {
                             moment[channel] += texel[channel] * cell;
                             leaf[row % LEAF][channel][column % LEAF] = (texel[channel] * solid_angle) as f32;
@@ -109,35 +132,57 @@ impl MapIrradiance {
                     }
                 }
                 leaves.push(leaf.map(|row| row.map(f32x8::new)));
-                let (center, sine_of_radius) = cap(columns, rows);
+                let (center, sine_of_radius) = self.cap(columns, rows);
                 patches.push(Patch { center, sine_of_radius, moment: moment.map(|m| m.as_vec3()) });
             }
         }
-        let mut levels = vec![Level { width: size[0], patches }];
+        (leaves, Level { width: size[0], patches })
+    }
+
+    /// The level above one of `below` patches, each of its own of `span` cells along a side.
+    fn parents(&self, children: &Level, below: [usize; 2], span: usize) -> Level {
+        let size = below.map(|n| n.div_ceil(2));
+        let mut patches = Vec::with_capacity(size[0] * size[1]);
+        for row in 0..size[1] {
+            for column in 0..size[0] {
+                let mut moment = [DVec3::ZERO; 3];
+                for child_row in 2 * row..(2 * row + 2).min(below[1]) {
+                    for child_column in 2 * column..(2 * column + 2).min(below[0]) {
+                        let child = &children.patches[child_row * below[0] + child_column];
+                        (0..3).for_each(|channel| moment[channel] += child.moment[channel].as_dvec3());
+                    }
+                }
+                let (center, sine_of_radius) = self.cap(
+                    [column * span, ((column + 1) * span).min(self.cells[0])],
+                    [row * span, ((row + 1) * span).min(self.cells[1])],
+                );
+                patches.push(Patch { center, sine_of_radius, moment: moment.map(|m| m.as_vec3()) });
+            }
+        }
+        Level { width: size[0], patches }
+    }
+}
+
+impl MapIrradiance {
+    pub(crate) fn new(map: &EnvironmentMap, world_from_environment: Quat) -> Self {
+        let grid = Grid::new(map);
+        let sin_cos = |angle: f64| [angle.sin() as f32, angle.cos() as f32];
+        let mut size = grid.cells.map(|n| n.div_ceil(LEAF));
+        let azimuths = (0..size[0])
+            .map(|leaf| {
+                let of_cells: [_; LEAF] =
+                    std::array::from_fn(|k| sin_cos(grid.azimuth_at((leaf * LEAF + k) as f64 + 0.5)));
+                [0, 1].map(|part| f32x8::new(of_cells.map(|cell| cell[part])))
+            })
+            .collect();
+        let polars = (0..size[1] * LEAF).map(|row| sin_cos(grid.polar_at(row as f64 + 0.5))).collect();
+        let (leaves, level) = grid.leaves();
+        let mut levels = vec![level];
         let mut span = LEAF;
         while size != [1, 1] {
-            let below = size;
-            size = size.map(|n| n.div_ceil(2));
             span *= 2;
-            let children = &levels[levels.len() - 1].patches;
-            let mut patches = Vec::with_capacity(size[0] * size[1]);
-            for row in 0..size[1] {
-                for column in 0..size[0] {
-                    let mut moment = [DVec3::ZERO; 3];
-                    for child_row in 2 * row..(2 * row + 2).min(below[1]) {
-                        for child_column in 2 * column..(2 * column + 2).min(below[0]) {
-                            let child = &children[child_row * below[0] + child_column];
-                            (0..3).for_each(|channel| moment[channel] += child.moment[channel].as_dvec3());
-                        }
-                    }
-                    let (center, sine_of_radius) = cap(
-                        [column * span, ((column + 1) * span).min(cells[0])],
-                        [row * span, ((row + 1) * span).min(cells[1])],
-                    );
-                    patches.push(Patch { center, sine_of_radius, moment: moment.map(|m| m.as_vec3()) });
-                }
-            }
-            levels.push(Level { width: size[0], patches });
+            levels.push(grid.parents(&levels[levels.len() - 1], size, span));
+            size = size.map(|n| n.div_ceil(2));
         }
         Self {
             levels,

@@ -32,7 +32,7 @@ pub enum Transport {
     Unshadowed,
 }
 
-/// How an estimate is made.
+/// Options of an estimate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
     /// Geometry that blocks.

@@ -19,7 +19,7 @@
 use crate::{
     batch::Batch,
     blocker_caps::BlockerCaps,
-    glossy::{GlossyIntegral, Way},
+    glossy::{GlossyIntegral, GlossyTechnique},
     mixture::Mixture,
     options::{Geometry, Options},
     points::{Points, Scramble, unit_f32, unit_f64},
@@ -64,7 +64,7 @@ impl Orders {
 }
 
 /// A surface that a path meets, ready to be lit.
-struct Met {
+struct SurfaceHit {
     receiver: Receiver,
     albedo: DVec3,
     /// Reflection into the path beside its diffuse part.
@@ -181,7 +181,7 @@ impl<'a> Paths<'a> {
         radiance
     }
 
-    /// Direct light that lobes reflect into the path, from one sample of each way of each light.
+    /// Direct light that lobes reflect into the path, from one sample of each technique of each light.
     fn direct_at_lobes(
         &mut self,
         at: &Receiver,
@@ -193,10 +193,10 @@ impl<'a> Paths<'a> {
         let mut radiance = DVec3::ZERO;
         for (number, integral) in self.tracer.lights.integrals().enumerate() {
             let glossy = GlossyIntegral::new(self.tracer, integral, at, mixture);
-            for (which, way) in Way::BOTH.into_iter().enumerate() {
+            for (which, technique) in GlossyTechnique::BOTH.into_iter().enumerate() {
                 let own = 1 + 2 * number as u32 + which as u32;
                 let place = self.orders.at(depth, own, k);
-                if glossy.sample(way, &self.points.as_slice()[place..=place], scramble(own), &mut self.batch) {
+                if glossy.sample(technique, &self.points.as_slice()[place..=place], scramble(own), &mut self.batch) {
                     radiance += self.seen(at, depth);
                 }
             }
@@ -235,14 +235,14 @@ impl<'a> Paths<'a> {
         irradiance
     }
 
-    fn meet(&self, from: &Receiver, depth: usize, direction: Vec3) -> Option<Met> {
+    fn meet(&self, from: &Receiver, depth: usize, direction: Vec3) -> Option<SurfaceHit> {
         match self.options.geometry {
             Geometry::Mesh => {
                 let hit = self.tracer.first_hit(from, direction.into())?;
                 let surface = self.tracer.receiver_at(&hit, direction);
                 let receiver = self.tracer.receiver(surface.position, surface.normal);
                 let lobes = self.lobes(surface.object, surface.gloss, &receiver, direction);
-                Some(Met { receiver, albedo: surface.albedo.as_dvec3(), lobes })
+                Some(SurfaceHit { receiver, albedo: surface.albedo.as_dvec3(), lobes })
             }
             Geometry::Spheres(_) => {
                 let (sphere, distance, normal) = self.caps[depth].first_hit(direction)?;
@@ -254,7 +254,7 @@ impl<'a> Paths<'a> {
                     self.sphere_albedo.map_or((Vec3::ONE, Gloss::NEUTRAL), |table| table.at(sphere, normal));
                 let object = self.tracer.sphere_owners[sphere].0 as u32;
                 let lobes = self.lobes(object, gloss, &receiver, direction);
-                Some(Met { receiver, albedo: albedo.as_dvec3(), lobes })
+                Some(SurfaceHit { receiver, albedo: albedo.as_dvec3(), lobes })
             }
         }
     }

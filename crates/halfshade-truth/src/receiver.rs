@@ -6,9 +6,9 @@ use glam::{DVec3, Vec3A};
 /// A receiver's frame, and where its rays start.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Receiver {
-    /// Where rays start, in tracing space.
+    /// Origin of rays, in tracing space.
     pub(crate) ray_origin: Vec3A,
-    /// How far that may be beside the surface, in tracing space.
+    /// Distance of that from the surface, at most, in tracing space.
     pub(crate) slack: Slack,
     /// Position in world space.
     pub(crate) position: DVec3,

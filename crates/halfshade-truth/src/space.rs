@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3, Vec3A};
 /// a ray's origin (fixed in its nodes): at this size that is 1e-13 of half the extent, below every offset here.
 const HALF_EXTENT: f64 = (1_u64 << 30) as f64;
 
-/// How far from its surface a receiver's coordinate may lie, as a part of the coordinate: eight times half a unit in the
+/// Largest distance of a receiver's coordinate from its surface, as a part of the coordinate: eight times half a unit in the
 /// last place. Rounding of the receiver and that of the ray's origin take one each.
 const ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
 
@@ -81,7 +81,7 @@ impl TracingSpace {
         (2.0 * self.rounding(min.abs().max(max.abs()))).max(DVec3::splat(slabs)).as_vec3a()
     }
 
-    /// How far from its surface a receiver may lie along each axis, in tracing space.
+    /// Distance of a receiver from its surface along each axis, at most, in tracing space.
     ///
     /// Vertices are exact. Points between them were rounded to single precision in the world, and the origins of their rays
     /// once more. Nothing here knows the size of the scene: an object on a large ground shades it as on a small one.

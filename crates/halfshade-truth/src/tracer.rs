@@ -18,7 +18,7 @@ use obvhs::{
 use rayon::prelude::*;
 use std::time::Duration;
 
-/// Where a ray first meets the scene.
+/// First hit of a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
     /// The object's place in `scene.objects`.
@@ -40,7 +40,7 @@ pub struct Hit {
 pub struct Tracer {
     pub(crate) space: TracingSpace,
     bvh: CwBvh,
-    /// In the order of the hierarchy's leaves.
+    /// Triangles in the order of the hierarchy's leaves.
     triangles: Vec<Triangle>,
     /// Object and triangle number, in the same order.
     owners: Vec<[u32; 2]>,
@@ -147,12 +147,12 @@ impl Tracer {
         Receiver { slack: Slack { along: rounding.as_vec3a(), normal: unit.as_vec3a() }, ..receiver }
     }
 
-    /// How many triangles block.
+    /// Number of triangles that block.
     pub fn triangle_count(&self) -> usize {
         self.triangles.len()
     }
 
-    /// How many spheres block in the sphere reference.
+    /// Number of spheres that block in the sphere reference.
     pub fn sphere_count(&self) -> usize {
         self.spheres.len()
     }

@@ -56,7 +56,7 @@ impl Slack {
     pub(crate) const NONE: Self = Self { along: Vec3A::ZERO, normal: Vec3A::ZERO };
 }
 
-/// Where a ray meets a triangle.
+/// Hit of a ray on a triangle.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Crossing {
     /// Distance in lengths of the ray's direction, positive but for the ray's slack.

@@ -29,10 +29,10 @@ const GAP: f32 = 0.004;
 
 const BALL_RADIUS: f32 = 0.108;
 const BALL_MASS: f32 = 6.8;
-/// How fast the ball rolls, in m/s: a child's throw, so that it doesn't cross the picture in a blink.
+/// Speed of the ball in m/s: a child's throw, so that it doesn't cross the picture in a blink.
 const BALL_SPEED: f32 = 3.6;
 const BALL_START: Vec2 = Vec2::new(0.16, 1.2);
-/// Where the ball is aimed: the pocket to the right of the head pin.
+/// Aim of the ball: the pocket to the right of the head pin.
 const BALL_AIM: Vec2 = Vec2::new(0.05, HEAD_PIN);
 
 /// Half the length of the cushion behind the pins.
@@ -41,7 +41,7 @@ const CUSHION_HALF_LENGTH: f32 = 0.8;
 /// The cushion's radius, as a fraction of half its length.
 const CUSHION_SLIMNESS: f32 = 0.2;
 
-/// Where along the lane the head pin stands.
+/// Place of the head pin along the lane.
 const HEAD_PIN: f32 = -0.75;
 /// Distance between neighbouring pins.
 const PIN_SPACING: f32 = 0.3048;

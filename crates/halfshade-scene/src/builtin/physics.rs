@@ -33,23 +33,23 @@ pub(super) enum Piece {
 pub(super) struct Contact {
     /// Coulomb's coefficient.
     pub(super) friction: f32,
-    /// Which part of their speed bodies keep when they bounce.
+    /// Part of their speed that bodies keep when they bounce.
     pub(super) restitution: f32,
 }
 
 /// A body and how it starts.
 pub(super) struct RigidBody {
-    /// Its shape in object space.
+    /// Shape in object space.
     pub(super) pieces: Vec<Piece>,
-    /// Where it starts; the scale stays.
+    /// Start; the scale stays.
     pub(super) start: Pose,
-    /// In m/s.
+    /// Velocity in m/s.
     pub(super) velocity: Vec3,
     /// Around the axis along this vector, in radians per second.
     pub(super) spin: Vec3,
-    /// In kilograms.
+    /// Mass in kilograms.
     pub(super) mass: f32,
-    /// How fast spin fades, per second: stands for the resistance to rolling, which the engine doesn't know.
+    /// Decay of spin per second: stands for the resistance to rolling, which the engine doesn't know.
     pub(super) rolling_resistance: f32,
 }
 
@@ -90,7 +90,7 @@ fn outermost(points: &[Vec3]) -> Vec<Vec3> {
     kept
 }
 
-/// How `bodies` move among `obstacles`, which stand still in world space, under gravity; in the order of the bodies.
+/// Motions of `bodies` among `obstacles`, which stand still in world space, under gravity; in the order of the bodies.
 pub(super) fn simulate(
     obstacles: &[Piece],
     bodies: &[RigidBody],

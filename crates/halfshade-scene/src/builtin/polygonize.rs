@@ -1,4 +1,4 @@
-//! From an implicit body to a triangle mesh that lies on it.
+//! Triangle meshes on the surfaces of implicit bodies.
 
 use super::implicit::{Body, Sample};
 use crate::Mesh;

@@ -14,7 +14,7 @@ const HALF_SIZE: f32 = 2.5;
 const SIZE: f32 = 0.8;
 /// Above the plane in the first frame, so that no two faces coincide.
 const GAP: f32 = 0.004;
-/// How fast it rises, in m/s.
+/// Speed of its rise in m/s.
 const SPEED: f32 = 0.3;
 
 /// The scene.

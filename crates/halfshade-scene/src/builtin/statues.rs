@@ -20,7 +20,7 @@ struct Statue {
     mesh: fn() -> Mesh,
     place: Vec2,
     slide: Vec2,
-    /// Which way it looks: radians from +Z toward +X.
+    /// Direction in which it looks: radians from +Z toward +X.
     facing: f32,
     /// Full turns about its axis over the time line, and radians by which it turns back and forth.
     turns: f32,

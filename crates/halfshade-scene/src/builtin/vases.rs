@@ -17,7 +17,7 @@ const GAP: f32 = 0.004;
 /// One vase: its profile's control points (radius, height), glaze, place, and how it moves.
 struct Vase {
     name: &'static str,
-    /// From the bottom's middle outward, up, over the rim, and down the throat to the middle again.
+    /// Outline from the bottom's middle outward, up, over the rim, and down the throat to the middle again.
     controls: &'static [[f64; 2]],
     glaze: [f32; 3],
     /// Colour of the bands and the foot.

@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
-/// How far outside, as a fraction of the squared radius, a point may lie and count as inside: above rounding, which
+/// Excess of a point over the squared radius, as a fraction of it, that counts as inside: above rounding, which
 /// would otherwise keep the iteration going among points of one sphere.
 const TOLERANCE: f64 = 1e-13;
 

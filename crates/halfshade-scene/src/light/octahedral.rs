@@ -19,9 +19,9 @@ pub struct OctahedralGrid {
 /// Three nodes and their weights, of sum 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OctahedralWeights {
-    /// Which nodes.
+    /// Indices of the nodes.
     pub nodes: [usize; 3],
-    /// Not negative up to rounding.
+    /// Their weights, not negative up to rounding.
     pub weights: [f32; 3],
 }
 
@@ -31,7 +31,7 @@ impl OctahedralGrid {
         Self { half: if half == 0 { 1 } else { half } }
     }
 
-    /// How many nodes there are.
+    /// Number of nodes.
     pub const fn node_count(&self) -> usize {
         (2 * self.half + 1) * (2 * self.half + 1)
     }

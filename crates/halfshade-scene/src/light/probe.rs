@@ -14,7 +14,7 @@ pub const EXTENSIONS: &[&str] = &["hdr", "pic", "exr"];
 /// Values below zero down to this fraction of the mean luminance are rounding and filtering, and taken for 0.
 const NEGLIGIBLE: f32 = 0.01;
 
-/// How an image holds all directions.
+/// Projection of all directions onto an image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Projection {
     /// Latitude and longitude: row 0 is the zenith, width is twice the height.
@@ -40,14 +40,14 @@ impl FromStr for Projection {
     }
 }
 
-/// How a light probe is read.
+/// Options for reading a light probe.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ProbeOptions {
-    /// How the image holds all directions; `None`: a square is an angular map, anything else latitude and longitude.
+    /// Projection of the image; `None`: a square is an angular map, anything else latitude and longitude.
     pub projection: Option<Projection>,
-    /// Where the image's centre looks, in degrees from -Z toward +X.
+    /// Azimuth of the image's centre, in degrees from -Z toward +X.
     pub forward_degrees: f32,
-    /// Which layer of an OpenEXR file; `None`: the one that has no name within its part.
+    /// Layer of an OpenEXR file; `None`: the one that has no name within its part.
     pub layer: Option<String>,
     /// The largest radiance of a channel: infinity and what is larger becomes this, what isn't a number or is negative
     /// becomes 0. `None`: radiance that isn't finite is an error.

@@ -1,4 +1,4 @@
-//! Which of a file's animations is meant.
+//! The choice of one of a file's animations.
 
 use serde::Deserialize;
 use std::fmt;

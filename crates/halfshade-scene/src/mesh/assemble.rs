@@ -1,4 +1,4 @@
-//! From what a file says to a sound mesh.
+//! Sound meshes from what files say.
 
 use super::weld::position_key;
 use super::{AlphaMask, Mesh, repaired, smooth_normals, weld};
@@ -50,7 +50,7 @@ pub(super) struct RawMorph {
     pub(super) shifts: Vec<RawShift>,
 }
 
-/// Where a vertex goes with a weight of 1.
+/// Shift of a vertex with a weight of 1.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RawShift {
     pub(super) vertex: u32,

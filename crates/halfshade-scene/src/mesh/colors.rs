@@ -6,13 +6,13 @@ use crate::texture::linear_from_srgb;
 use glam::Vec3;
 use serde::Deserialize;
 
-/// How colours of vertices are encoded.
+/// Encoding of vertex colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ColorEncoding {
-    /// As pictures are, \[IEC61966-2-1\].
+    /// As in pictures, \[IEC61966-2-1\].
     Srgb,
-    /// In proportion to reflected light.
+    /// Linear: in proportion to reflected light.
     Linear,
 }
 

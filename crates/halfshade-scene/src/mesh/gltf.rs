@@ -9,12 +9,14 @@
 
 mod accessor;
 mod buffers;
+mod channels;
 mod document;
 mod emission;
 mod extensions;
 mod instances;
 mod material;
 mod morph;
+mod nodes;
 mod primitive;
 mod skeleton;
 mod textures;
@@ -29,8 +31,9 @@ use buffers::Buffers;
 use glam::DMat4;
 use instances::instances;
 use material::Coverage;
+use nodes::world_from;
 use primitive::{Part, Placement};
-use skeleton::{Skeleton, world_from};
+use skeleton::Skeleton;
 use std::path::Path;
 use textures::Textures;
 
@@ -75,7 +78,7 @@ struct Collector<'a> {
     has_mesh: bool,
 }
 
-/// How many parts there were of what isn't read.
+/// Number of parts of each kind that isn't read.
 #[derive(Default)]
 struct LeftOut {
     lines: usize,

@@ -68,14 +68,14 @@ pub(super) fn parse(bytes: &[u8], told: Option<ColorEncoding>) -> Result<RawMesh
 struct Reader<'a> {
     words: Words<'a>,
     positions: Vec<Vec3>,
-    /// Where each position stands; empty without colours, which alone may be found wrong later.
+    /// Line of each position; empty without colours, which alone may be found wrong later.
     lines: Vec<usize>,
     /// Empty, or one per position.
     colors: Vec<Option<Vec3>>,
     normals: Vec<Vec3>,
     coordinates: Vec<[f32; 2]>,
     corners: Vec<Corner>,
-    /// Where the corners of each face end.
+    /// End of each face's corners.
     ends: Vec<usize>,
     /// The largest index of a position, a texture coordinate, a normal, each with its line: indices may name what comes
     /// later in the file.

@@ -1,4 +1,4 @@
-//! Which triangles to turn around so that neighbours agree, body by body.
+//! Triangles to turn around so that neighbours agree, body by body.
 
 use super::{Welded, doubled_area_vector};
 

@@ -20,7 +20,7 @@ pub(super) struct Cutter {
     ears: Earcut<f64>,
     places: Vec<[f64; 2]>,
     found: Vec<u32>,
-    /// How many polygons had another area than their triangles.
+    /// Number of polygons that had another area than their triangles.
     crossing: usize,
 }
 

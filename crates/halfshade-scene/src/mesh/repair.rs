@@ -73,7 +73,7 @@ pub fn repaired(mesh: &Mesh) -> (Mesh, Vec<String>) {
     (result, notes)
 }
 
-/// Which closed bodies must be turned around.
+/// Closed bodies that must be turned around.
 fn inside_out_bodies(welded: &Welded, body_of: &[u32], solid: &[bool]) -> Vec<bool> {
     let mut members = vec![Vec::new(); solid.len()];
     for (t, &body) in body_of.iter().enumerate() {
@@ -95,7 +95,7 @@ fn inside_out_bodies(welded: &Welded, body_of: &[u32], solid: &[bool]) -> Vec<bo
         .collect()
 }
 
-/// How often a closed surface winds around `point`: 0 outside, ±1 inside (\[Jacobson2013\]; solid angles after
+/// Winding number of a closed surface around `point`: 0 outside, ±1 inside (\[Jacobson2013\]; solid angles after
 /// \[VanOosterom1983\]).
 fn winding(welded: &Welded, triangles: &[usize], point: DVec3) -> f64 {
     let solid_angle = |t: usize| {

@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3};
 /// A part of a surface that hangs together across edges shared by exactly two triangles.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
-    /// How many triangles it has.
+    /// Number of triangles.
     pub triangles: usize,
     /// Whether each of its edges is shared by exactly two triangles of its own.
     pub closed: bool,

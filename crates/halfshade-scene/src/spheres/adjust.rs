@@ -65,7 +65,7 @@ pub const FADE_HEIGHT: f64 = 0.5;
 /// The same for the covering rule. Smaller covers more of the ground, and more of the object's own surface.
 pub const COVER_HEIGHT: f64 = 0.25;
 
-/// How a sphere that cuts the tangent plane is scaled.
+/// Rule by which a sphere that cuts the tangent plane is scaled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum AdjustRule {
     /// One formula for centres in front of and behind the plane; continuous in the receiver's position and normal.

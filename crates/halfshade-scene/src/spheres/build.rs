@@ -1,4 +1,4 @@
-//! From a mesh to its sphere set: normalize, sample, fit, bound, measure.
+//! Sphere sets of meshes: normalize, sample, fit, bound, measure.
 
 use super::cover::{grow_to_cover, uncovered_points};
 use super::normalized::{COVER_TOLERANCE, NormalizedMesh};
@@ -34,7 +34,7 @@ const THIN: f64 = 1e-6;
 /// The largest number of spheres of a set: of at most 6,000 points that stand for the surface, each has three.
 pub const MAX_SPHERES: usize = SURFACE_POINTS / 3;
 
-/// How a sphere set is fitted.
+/// Options of fitting a sphere set.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct BuildOptions {
     /// Seed of every random choice: the same seed gives the same bits on one thread or many.

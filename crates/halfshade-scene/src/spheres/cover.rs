@@ -1,4 +1,4 @@
-//! Whether spheres bound a triangle mesh: decided on the triangles, not on samples.
+//! Bounding of a triangle mesh by spheres: decided on the triangles, not on samples.
 //!
 //! A sphere is convex, so that a triangle whose corners lie in one sphere lies in it wholly. A triangle that lies in no
 //! single sphere is cut in two at the middle of its longest edge, until that edge is below a tolerance; such a leaf counts
@@ -92,7 +92,7 @@ fn grow_to_hold(leaf: &Triangle, spheres: &[Cell<DSphere>], before: &[f64], roun
 }
 
 impl DSphere {
-    /// How much the radius must grow to hold all three corners.
+    /// Growth of the radius that holds all three corners.
     fn missing(&self, triangle: &Triangle) -> f64 {
         let farthest = triangle.map(|corner| corner.distance_squared(self.center)).into_iter().fold(0.0, f64::max);
         farthest.sqrt() - self.radius

@@ -3,7 +3,7 @@
 use super::DSphere;
 use glam::DVec3;
 
-/// How far a sphere may reach out, as a fraction of the radius, and count as inside: above rounding, far below need.
+/// Excess of a sphere, as a fraction of the radius, that counts as inside: above rounding, far below need.
 const TOLERANCE: f64 = 1e-12;
 /// Edges at an angle below this to those before them count as lying in one line or plane with them.
 const DEGENERATE: f64 = 1e-9;

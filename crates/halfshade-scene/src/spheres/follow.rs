@@ -18,44 +18,44 @@ use nalgebra::{Matrix4, SymmetricEigen};
 use rayon::prelude::*;
 use std::collections::HashSet;
 
-/// How often a triangle is halved at most; what then still lies in no single sphere goes to the nearest.
+/// Most halvings of a triangle; what then still lies in no single sphere goes to the nearest.
 const MOST_CUTS: u32 = 12;
 
 /// Vertices that a sphere follows which holds no part of the surface.
 const NEAREST: usize = 32;
 
 /// A point of a mesh's surface: weights, of sum 1, of three vertices.
-type Place = ([u32; 3], Vec3);
+type BarycentricPoint = ([u32; 3], Vec3);
 
 /// Spheres bound to a mesh.
 #[derive(Debug, Clone)]
 pub struct SphereBinding {
-    bound: Vec<Bound>,
+    bound: Vec<BoundSphere>,
 }
 
 /// A sphere and its part of the surface.
 #[derive(Debug, Clone)]
-struct Bound {
+struct BoundSphere {
     sphere: Sphere,
-    corners: Vec<Place>,
+    corners: Vec<BarycentricPoint>,
     /// Mean of the corners at rest, and the largest distance of one that has to be held from the sphere's centre.
     mean: DVec3,
     reach: f64,
 }
 
-/// Where a bound sphere is.
+/// A bound sphere at a moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Followed {
     /// The sphere, in the object's space.
     pub sphere: Sphere,
-    /// How its part of the surface has turned since rest.
+    /// Rotation of its part of the surface since rest.
     pub rotation: DQuat,
 }
 
 impl SphereBinding {
     /// Binds `spheres`, which bound `mesh` at rest.
     pub fn new(mesh: &Mesh, spheres: &[Sphere]) -> Self {
-        let mut corners: Vec<Vec<Place>> = vec![Vec::new(); spheres.len()];
+        let mut corners: Vec<Vec<BarycentricPoint>> = vec![Vec::new(); spheres.len()];
         let mut whole: HashSet<(usize, u32)> = HashSet::new();
         if !spheres.is_empty() {
             for triangle in &mesh.triangles {
@@ -71,13 +71,13 @@ impl SphereBinding {
         let bound = (spheres.iter().zip(corners))
             .map(|(&sphere, corners)| {
                 let center = sphere.center.as_dvec3();
-                let places = |corners: &[Place]| -> Vec<DVec3> {
+                let places = |corners: &[BarycentricPoint]| -> Vec<DVec3> {
                     corners.iter().map(|place| point_at(&mesh.positions, place)).collect()
                 };
                 let reach = places(&corners).iter().map(|place| place.distance(center)).fold(0.0, f64::max);
                 let corners = if corners.is_empty() { nearest(mesh, sphere.center) } else { corners };
                 let mean = mean(&places(&corners));
-                Bound { sphere, corners, mean, reach }
+                BoundSphere { sphere, corners, mean, reach }
             })
             .collect();
         Self { bound }
@@ -90,14 +90,14 @@ impl SphereBinding {
 
     /// Memory that it takes.
     pub fn bytes(&self) -> usize {
-        self.bound.iter().map(|bound| size_of_val(bound.corners.as_slice()) + size_of::<Bound>()).sum()
+        self.bound.iter().map(|bound| size_of_val(bound.corners.as_slice()) + size_of::<BoundSphere>()).sum()
     }
 }
 
-impl Bound {
+impl BoundSphere {
     fn follow(&self, rest: &[Vec3], positions: &[Vec3]) -> Followed {
         let places: Vec<DVec3> = self.corners.iter().map(|place| point_at(positions, place)).collect();
-        let unmoved = |corner: &Place| corner.0.iter().all(|&v| rest[v as usize] == positions[v as usize]);
+        let unmoved = |corner: &BarycentricPoint| corner.0.iter().all(|&v| rest[v as usize] == positions[v as usize]);
         if self.corners.iter().all(unmoved) {
             return Followed { sphere: self.sphere, rotation: DQuat::IDENTITY };
         }
@@ -124,7 +124,7 @@ impl Bound {
     }
 }
 
-fn point_at(positions: &[Vec3], (vertices, weights): &Place) -> DVec3 {
+fn point_at(positions: &[Vec3], (vertices, weights): &BarycentricPoint) -> DVec3 {
     let [a, b, c] = vertices.map(|vertex| positions[vertex as usize].as_dvec3());
     f64::from(weights.x) * a + f64::from(weights.y) * b + f64::from(weights.z) * c
 }
@@ -134,7 +134,7 @@ fn mean(points: &[DVec3]) -> DVec3 {
 }
 
 /// The vertices nearest to a point.
-fn nearest(mesh: &Mesh, point: Vec3) -> Vec<Place> {
+fn nearest(mesh: &Mesh, point: Vec3) -> Vec<BarycentricPoint> {
     let mut vertices: Vec<u32> = (0..mesh.positions.len() as u32).collect();
     let distance = |&vertex: &u32| mesh.positions[vertex as usize].distance_squared(point);
     vertices.sort_by(|a, b| distance(a).total_cmp(&distance(b)));

@@ -47,7 +47,7 @@ pub struct SphereSet {
     pub outside_volume_error: f64,
     /// Largest distance by which a surface point lies outside every sphere; 0 for a set that bounds.
     pub bounding_violation: f64,
-    /// By how much radii had to grow, after optimization over samples, so that the triangles are bounded: the largest
+    /// Growth of radii, after optimization over samples, so that the triangles are bounded: the largest
     /// growth as a fraction of the mesh's bounding-box diagonal.
     pub growth: f64,
     /// Notes on the mesh for the user: not closed, no volume.

@@ -1,4 +1,4 @@
-//! How much of a sphere's silhouette is its own: overlapping spheres block the same directions twice.
+//! Share of a sphere's silhouette that is its own: overlapping spheres block the same directions twice.
 //!
 //! Summing log visibilities [Guerrero2007, eq. 4.7] assumes that blockers are independent. The spheres of one object are
 //! not: where k of them overlap as seen from a receiver, the same direction is blocked k times, and the truncated

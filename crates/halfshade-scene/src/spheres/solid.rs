@@ -39,7 +39,7 @@ pub(super) struct Solid {
     pub(super) open_fraction: f64,
 }
 
-/// Where line `index` of a lattice lies. The irrational shift keeps lines off the vertices of regular meshes.
+/// Position of line `index` of a lattice. The irrational shift keeps lines off the vertices of regular meshes.
 fn line_position(index: i64, step: f64) -> f64 {
     (index as f64 + 0.381_966_011_250_105) * step
 }
@@ -296,7 +296,7 @@ impl Traced {
     }
 
     /// Answer of the line nearest to `point`, if it is sound.
-    fn says(&self, point: DVec3) -> Option<bool> {
+    fn nearest_line_says(&self, point: DVec3) -> Option<bool> {
         let (across, along) = split(point, self.axis);
         let line = [across.x, across.y].map(|x| first_line_at_or_after(x - 0.5 * self.step, self.step));
         let (i, j) = (line[0] - self.first[0], line[1] - self.first[1]);
@@ -324,7 +324,7 @@ impl Traced {
         for cell in 0..cells {
             let start = low + cell as f64 * self.step;
             point[self.axis] = start + 0.5 * self.step;
-            let votes = others.each_ref().map(|other| other.says(point));
+            let votes = others.each_ref().map(|other| other.nearest_line_says(point));
             let inside = match votes {
                 [Some(a), Some(b)] => a && b,
                 [Some(vote), None] | [None, Some(vote)] => vote,

@@ -47,7 +47,7 @@ mod tests {
 
     const LEVELS: u32 = 3;
 
-    /// Per texel of a face all basis functions.
+    /// Values of all basis functions by texel of a face.
     fn table() -> Vec<Vec<f64>> {
         let cube = Cube::new(LEVELS);
         (0..cube.face_len())

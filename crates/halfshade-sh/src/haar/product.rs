@@ -7,7 +7,7 @@
 //! Functions that are constant on texels have products that are: nothing is cut off, unlike with spherical harmonics. So
 //! the product of texels, one by one, is the same function; this way is shorter where vectors are sparse.
 
-/// Which squares have wavelets, themselves or within.
+/// Squares that have wavelets, themselves or within.
 struct Occupied(Vec<bool>);
 
 impl Occupied {

@@ -1,4 +1,4 @@
-//! From the texels of a face to its wavelets and back.
+//! Wavelet transform of a face's texels, and its inverse.
 
 use wide::f32x8;
 

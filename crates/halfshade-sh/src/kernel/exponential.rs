@@ -209,7 +209,7 @@ fn square_difference<const N: usize>(h: &ShBatch<N>) -> ShBatch<N> {
     squared
 }
 
-/// Per lane the number of squarings p and `2^-p`, and the largest p.
+/// Number of squarings p by lane, `2^-p`, and the largest p.
 #[inline]
 fn squarings(magnitude: f32x8, limit: f32) -> (f32x8, f32x8, u32) {
     let (half, limit) = (f32x8::splat(0.5), f32x8::splat(limit));

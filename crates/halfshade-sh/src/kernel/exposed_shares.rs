@@ -39,7 +39,7 @@ const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
 /// Finds exposed shares; keeps its memory from one group of caps to the next.
 #[derive(Debug, Clone)]
 pub struct ExposedShares {
-    /// Per point its share of the versine, and the cosine and sine of its turn.
+    /// Share of the versine by point, and the cosine and sine of its turn.
     fan: Vec<[f32; 3]>,
     caps: Vec<PreparedCap>,
     /// Points of one cap, with the number of caps that each is in.

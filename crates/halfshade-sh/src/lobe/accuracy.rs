@@ -1,4 +1,4 @@
-//! How far products of lobes are from the truth: the errors that [Meunier2009, 4.1] reports, and errors of chains.
+//! Errors of products of lobes: those that [Meunier2009, 4.1] reports, and errors of chains.
 //!
 //! The paper's error is `|∫ c1 c2 - ∫ c_r|` for lobes of scale 1 over its table's samples. Since most samples have an
 //! exponent in the thousands and axes apart, most integrals are near 0 and so are the median and the mean; the relative

@@ -92,7 +92,7 @@ const LARGEST: f32x8 = f32x8::splat(MAX_EXPONENT as f32);
 /// Exponents of a peak count as at least this, as in f64.
 const SMALLEST: f32x8 = f32x8::splat(1e-6);
 
-/// In place of 0 where one divides.
+/// Stand-in for 0 where one divides.
 const TINY: f32x8 = f32x8::splat(1e-20);
 
 #[inline(always)]

@@ -7,7 +7,7 @@
 use super::{Lobe, MAX_EXPONENT};
 use std::f64::consts::TAU;
 
-/// Which lobe stands for a cap.
+/// Rule by which a lobe stands for a cap.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum CapFit {
     /// Scale 1, exponent by least squares over the sphere [Meunier2009, eq. 31-34].
@@ -66,7 +66,7 @@ impl CapFit {
     }
 }
 
-/// Where a falling function of n in [1, 2/v] is 0.
+/// Root of a falling function of n in [1, 2/v].
 fn root(v: f64, falling: impl Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = (0.0, (2.0 / v).ln());
     for _ in 0..50 {

@@ -52,7 +52,7 @@ fn rule() -> &'static [Node] {
     })
 }
 
-/// Where the product has fallen to e to the minus this, integration ends.
+/// Integration ends where the product has fallen to e to the minus this.
 const NEGLIGIBLE: f64 = 42.0;
 
 /// `cos^e1 ψ cos^e2(α-ψ)` in the plane of the axes at quadrature points, over its value at a saddle.

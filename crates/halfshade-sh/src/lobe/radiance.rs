@@ -23,7 +23,7 @@ use std::f64::consts::PI;
 /// its power then.
 const EMPHASIS: f64 = 10.0;
 
-/// How often all lobes are moved.
+/// Number of times that all lobes are moved.
 const SWEEPS: usize = 12;
 
 /// A lobe of RGB radiance.

@@ -1,4 +1,4 @@
-//! Which channels of an OpenEXR file are light.
+//! Layers of an OpenEXR file, and the channels of each that are light.
 //!
 //! Channels are named `R`, or `layer.R` with any dots in the layer's name, and a file may have several parts with names
 //! of their own. Light is R, G, B; or luminance Y, with chroma RY and BY or without. Channels Y beside X or Z are

@@ -19,7 +19,7 @@ struct Header {
 struct Resolution {
     /// Whether scanlines are rows; else columns.
     is_by_row: bool,
-    /// How many there are, and how many pixels each has.
+    /// Number of scanlines, and of pixels of each.
     scanlines: usize,
     pixels: usize,
     /// Whether the first scanline, and the first pixel of each, is at the picture's top or left.

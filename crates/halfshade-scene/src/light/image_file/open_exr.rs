@@ -114,7 +114,7 @@ struct Picture {
     bytes_per_pixel: usize,
     /// By colour: bytes of the channels before its own, and its type.
     channels: [(usize, SampleType); 3],
-    /// Where blocks were inserted, and how many pixels they have.
+    /// Places of blocks that were inserted, and how many pixels they have.
     inserted: BTreeSet<(usize, usize)>,
     covered: usize,
 }

@@ -1,4 +1,4 @@
-//! From a file's primaries to those of Rec. 709.
+//! Conversion of a file's primaries to those of Rec. 709.
 
 use crate::SceneError;
 use glam::{DMat3, DVec2, DVec3};

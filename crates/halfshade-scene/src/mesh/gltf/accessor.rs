@@ -13,7 +13,7 @@ const MOST_ZEROS: usize = 1 << 24;
 
 /// Meaning of whole numbers in an accessor.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Whole {
+pub(super) enum WholeNumbers {
     /// Themselves.
     Number,
     /// Fractions of their maximum, as glTF normalizes them: `x / max`, of signed ones at least -1.
@@ -31,7 +31,7 @@ pub(super) fn numbers<const N: usize>(
     accessor: &Accessor<'_>,
     buffers: &Buffers,
     dimensions: Dimensions,
-    whole: Whole,
+    whole: WholeNumbers,
 ) -> Result<Vec<[f64; N]>, SceneError> {
     let list = any_numbers(accessor, buffers, dimensions, whole)?;
     match list.iter().position(|element: &[f64; N]| element.iter().any(|x| !x.is_finite())) {
@@ -49,7 +49,7 @@ pub(super) fn any_numbers<const N: usize>(
     accessor: &Accessor<'_>,
     buffers: &Buffers,
     dimensions: Dimensions,
-    whole: Whole,
+    whole: WholeNumbers,
 ) -> Result<Vec<[f64; N]>, SceneError> {
     let index = accessor.index();
     let (kind, found) = (accessor.data_type(), accessor.dimensions());
@@ -64,11 +64,11 @@ pub(super) fn any_numbers<const N: usize>(
         DataType::U16 => |b| f64::from(u16::from_le_bytes([b[0], b[1]])),
         DataType::U32 => |b| f64::from(u32::from_le_bytes([b[0], b[1], b[2], b[3]])),
     };
-    let is_fraction = whole == Whole::Fraction || whole == Whole::AsDeclared && accessor.normalized();
+    let is_fraction = whole == WholeNumbers::Fraction || whole == WholeNumbers::AsDeclared && accessor.normalized();
     let largest = match (kind, whole) {
-        (DataType::F32, Whole::Fraction | Whole::Refused | Whole::AsDeclared) => 1.0,
-        (DataType::U8 | DataType::U16, Whole::Number) => 1.0,
-        (DataType::U32, _) | (_, Whole::Refused | Whole::Number) => {
+        (DataType::F32, WholeNumbers::Fraction | WholeNumbers::Refused | WholeNumbers::AsDeclared) => 1.0,
+        (DataType::U8 | DataType::U16, WholeNumbers::Number) => 1.0,
+        (DataType::U32, _) | (_, WholeNumbers::Refused | WholeNumbers::Number) => {
             return Err(SceneError::new(format!("accessor {index} holds {kind:?}, which is not allowed here")));
         }
         (DataType::I8, _) if is_fraction => f64::from(i8::MAX),
@@ -165,7 +165,7 @@ fn replaced<'a>(
 
 /// An accessor of positions or of shifts of them.
 pub(super) fn vectors(accessor: &Accessor<'_>, buffers: &Buffers) -> Result<Vec<DVec3>, SceneError> {
-    let list = numbers::<3>(accessor, buffers, Dimensions::Vec3, Whole::AsDeclared)?;
+    let list = numbers::<3>(accessor, buffers, Dimensions::Vec3, WholeNumbers::AsDeclared)?;
     Ok(list.into_iter().map(DVec3::from).collect())
 }
 

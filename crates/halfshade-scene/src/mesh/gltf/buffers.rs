@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 /// The bytes that a document speaks of.
 pub(super) struct Buffers {
-    /// Where files are that the document names.
+    /// Folder of files that the document names.
     pub(super) folder: PathBuf,
     pub(super) data: Vec<Vec<u8>>,
     /// Accessors that have no data: all zero.

@@ -1,4 +1,4 @@
-//! Which extensions of glTF are read, and what becomes of the others.
+//! Extensions of glTF: which are read, and what becomes of the others.
 
 use crate::SceneError;
 use ::gltf::json::Root;

@@ -1,7 +1,7 @@
 //! Copies of a mesh: EXT_mesh_gpu_instancing.
 
 use super::Buffers;
-use super::accessor::{Whole, numbers};
+use super::accessor::{WholeNumbers, numbers};
 use crate::SceneError;
 use ::gltf::accessor::Dimensions;
 use ::gltf::json::{Root, Value};
@@ -24,7 +24,7 @@ pub(super) fn note(json: &Root) -> Option<String> {
     (!names.is_empty()).then(|| format!("attributes of copies left out ({NAME}): {names}"))
 }
 
-/// Where the copies stand that a node asks for, in its space; one at its place where it asks for none.
+/// Places of the copies that a node asks for, in its space; one at its place where it asks for none.
 pub(super) fn instances(node: &Node<'_>, document: &Document, buffers: &Buffers) -> Result<Vec<DMat4>, SceneError> {
     let Some(extension) = node.extension_value(NAME) else { return Ok(vec![DMat4::IDENTITY]) };
     let about = |problem: String| SceneError::new(format!("{NAME}: {problem}"));
@@ -37,13 +37,13 @@ pub(super) fn instances(node: &Node<'_>, document: &Document, buffers: &Buffers)
         accessor.map(Some).ok_or_else(|| about(format!("{name} names accessor {value}, which doesn't exist")))
     };
     let places = |name: &str| {
-        let read = |a| numbers::<3>(&a, buffers, Dimensions::Vec3, Whole::AsDeclared);
+        let read = |a| numbers::<3>(&a, buffers, Dimensions::Vec3, WholeNumbers::AsDeclared);
         accessor(name)?.map(read).transpose()
     };
     let [translation, rotation, scale] = ATTRIBUTES;
     let (translations, scales) = (places(translation)?, places(scale)?);
     let rotations =
-        accessor(rotation)?.map(|a| numbers::<4>(&a, buffers, Dimensions::Vec4, Whole::Fraction)).transpose()?;
+        accessor(rotation)?.map(|a| numbers::<4>(&a, buffers, Dimensions::Vec4, WholeNumbers::Fraction)).transpose()?;
     let counts = [translations.as_ref().map(Vec::len), scales.as_ref().map(Vec::len), rotations.as_ref().map(Vec::len)];
     let mut known = counts.into_iter().flatten();
     let Some(count) = known.next() else { return Ok(vec![DMat4::IDENTITY]) };

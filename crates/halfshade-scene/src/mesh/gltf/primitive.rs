@@ -1,7 +1,7 @@
 //! Primitives: what a mesh of a document is made of.
 
 use super::Buffers;
-use super::accessor::{Whole, any_numbers, indices, numbers, of_count, vectors};
+use super::accessor::{WholeNumbers, any_numbers, indices, numbers, of_count, vectors};
 use super::extensions;
 use super::material::{Coverage, Surface};
 use super::morph::Target;
@@ -36,7 +36,7 @@ pub(super) struct Part<'a> {
     surface: Surface<'a>,
 }
 
-/// Where the vertices of a primitive go.
+/// Placement of the vertices of a primitive.
 pub(super) enum Placement<'a> {
     /// All where a matrix takes them.
     Rigid(DMat4),
@@ -69,7 +69,7 @@ impl<'a> Part<'a> {
         let count = positions.len();
         let normals = attribute(&Semantic::Normals).map(|accessor| {
             // Normals that aren't finite are of no use, but there are smooth ones to put in their place.
-            let list = any_numbers::<3>(&accessor, buffers, Dimensions::Vec3, Whole::AsDeclared)?;
+            let list = any_numbers::<3>(&accessor, buffers, Dimensions::Vec3, WholeNumbers::AsDeclared)?;
             let sound = |n: [f64; 3]| DVec3::from(n).normalize_or_zero();
             of_count(list.into_iter().map(sound).collect(), count)
         });
@@ -84,7 +84,7 @@ impl<'a> Part<'a> {
                     SceneError::new(format!("a primitive has a texture, but no {}", semantic.to_string()))
                         .with_remedy("export texture coordinates, or leave the texture out")
                 })?;
-                let whole = if buffers.is_quantized { Whole::AsDeclared } else { Whole::Fraction };
+                let whole = if buffers.is_quantized { WholeNumbers::AsDeclared } else { WholeNumbers::Fraction };
                 let list = numbers::<2>(&accessor, buffers, Dimensions::Vec2, whole);
                 list.and_then(|list| of_count(list.into_iter().map(|place| surface.placed(place)).collect(), count))
                     .map_err(|error| about(&semantic, error))?
@@ -282,10 +282,10 @@ pub(super) fn cofactors(matrix: &DMat4) -> DMat3 {
 /// An accessor of colours, which are linear, with alpha or without.
 fn colors(accessor: &Accessor<'_>, buffers: &Buffers) -> Result<Vec<DVec4>, SceneError> {
     if accessor.dimensions() == Dimensions::Vec3 {
-        let list = numbers::<3>(accessor, buffers, Dimensions::Vec3, Whole::Fraction)?;
+        let list = numbers::<3>(accessor, buffers, Dimensions::Vec3, WholeNumbers::Fraction)?;
         return Ok(list.into_iter().map(|color| DVec3::from(color).extend(1.0)).collect());
     }
-    let list = numbers::<4>(accessor, buffers, Dimensions::Vec4, Whole::Fraction)?;
+    let list = numbers::<4>(accessor, buffers, Dimensions::Vec4, WholeNumbers::Fraction)?;
     Ok(list.into_iter().map(DVec4::from).collect())
 }
 

@@ -14,44 +14,25 @@
 //! Only nodes that the animation moves, and nodes above them, become joints: what stands still below them is folded into
 //! `joint_from_rest`, where it may be any affine map. Joints must be similarities, as a [`crate::Pose`] is.
 
-use super::accessor::{Whole, numbers};
-use super::track::{Tracks, Weights, pose_of, weights};
+use super::accessor::{WholeNumbers, numbers};
+use super::channels::read_channels;
+use super::nodes::{PlacedNode, base, follow_moved, label, places};
+use super::track::{Weights, pose_of};
 use super::{Animation, Buffers};
 use crate::skin::INFLUENCES;
 use crate::{Joint, Motion, Pose, SceneError};
 use ::gltf::accessor::Dimensions;
-use ::gltf::animation::Property;
-use ::gltf::json::validation::Checked;
-use ::gltf::scene::Transform;
 use ::gltf::{Document, Node, Primitive, Semantic};
-use glam::{DAffine3, DMat4, DQuat, DVec3, DVec4};
+use glam::{DAffine3, DMat4, DVec4};
 use std::collections::HashMap;
 
 /// Joints and weights of a vertex, as in [`crate::Skin`].
 pub(super) type Influences = [(u16, f32); INFLUENCES];
 
-/// A node of the document.
-struct Place<'a> {
-    node: Node<'a>,
-    parent: Option<usize>,
-    parent_from_node: DMat4,
-    /// As the document has it, without an animation.
-    world_from_node: DMat4,
-    /// The nearest node, itself or above, that the animation moves; without one, the world.
-    moved: Option<usize>,
-    /// From the node's space into that of `moved`.
-    moved_from_node: DMat4,
-    tracks: Option<Tracks>,
-    /// How the animation moves the weights of its mesh's morph targets.
-    weights: Vec<Weights>,
-    /// Its number among the joints, once it is one.
-    joint: Option<usize>,
-}
-
 /// The nodes of a document, one animation, and the joints that meshes needed so far.
 pub(super) struct Skeleton<'a> {
     buffers: &'a Buffers,
-    places: Vec<Place<'a>>,
+    places: Vec<PlacedNode<'a>>,
     joints: Vec<Joint>,
     /// Whether the `joint_from_rest` of a joint is in use.
     is_bound: Vec<bool>,
@@ -60,7 +41,7 @@ pub(super) struct Skeleton<'a> {
     binding_of: HashMap<usize, usize>,
 }
 
-/// How a mesh hangs on the skeleton.
+/// Binding of a mesh to the skeleton.
 struct Binding {
     world_from_mesh: DMat4,
     /// Node and `B_j · G⁻¹` of each joint of the skin; empty where the mesh follows `joints[0]` as a whole.
@@ -75,45 +56,16 @@ impl<'a> Skeleton<'a> {
         buffers: &'a Buffers,
         animation: Option<&Animation>,
     ) -> Result<Self, SceneError> {
-        let parents = parents(document)?;
-        let mut places: Vec<Place<'a>> = (document.nodes().zip(parents))
-            .map(|(node, parent)| {
-                let parent_from_node = world_from(&node, DMat4::IDENTITY);
-                let (world_from_node, moved_from_node) = (DMat4::IDENTITY, DMat4::IDENTITY);
-                let (moved, tracks, weights, joint) = (None, None, Vec::new(), None);
-                Place {
-                    node,
-                    parent,
-                    parent_from_node,
-                    world_from_node,
-                    moved,
-                    moved_from_node,
-                    tracks,
-                    weights,
-                    joint,
-                }
-            })
-            .collect();
+        let mut places = places(document)?;
         if let Some(animation) = animation {
-            read_tracks(document, buffers, animation, &mut places)?;
+            read_channels(document, buffers, animation, &mut places)?;
         }
-        for index in parents_first(&places)? {
-            let above = places[index].parent.map(|parent| &places[parent]);
-            let (world, moved, moved_from_parent) = above
-                .map_or((DMat4::IDENTITY, None, DMat4::IDENTITY), |p| (p.world_from_node, p.moved, p.moved_from_node));
-            let place = &mut places[index];
-            place.world_from_node = world * place.parent_from_node;
-            (place.moved, place.moved_from_node) = if place.tracks.is_some() {
-                (Some(index), DMat4::IDENTITY)
-            } else {
-                (moved, moved_from_parent * place.parent_from_node)
-            };
-        }
+        follow_moved(&mut places)?;
         let (joints, is_bound, bindings, binding_of) = Default::default();
         Ok(Self { buffers, places, joints, is_bound, bindings, binding_of })
     }
 
-    /// How the mesh of a node hangs on the skeleton, by number, and where it is at rest.
+    /// Binding of a node's mesh to the skeleton, by number, and the place of the mesh at rest.
     pub(super) fn bind(&mut self, node: &Node<'_>) -> Result<(usize, DMat4), SceneError> {
         let known = node.skin().and_then(|skin| self.binding_of.get(&skin.index()).copied());
         let number = known.unwrap_or(self.bindings.len());
@@ -154,7 +106,7 @@ impl<'a> Skeleton<'a> {
         Ok(result)
     }
 
-    /// Where the joints of a skin, as the document has them, take each vertex of a primitive.
+    /// Transform of each vertex of a primitive by the joints of a skin, as the document has them.
     pub(super) fn at_joints(
         &self,
         skin: &::gltf::Skin<'_>,
@@ -182,7 +134,7 @@ impl<'a> Skeleton<'a> {
         self.weights_of_joints(primitive, count)?.into_iter().enumerate().map(blended).collect()
     }
 
-    /// How an animation moves the weights of a node's morph targets; empty where it doesn't.
+    /// Animated weights of a node's morph targets; empty where there are none.
     pub(super) fn weights(&self, node: usize) -> &[Weights] {
         &self.places[node].weights
     }
@@ -198,8 +150,8 @@ impl<'a> Skeleton<'a> {
                 (None, None) if set > 0 => break,
                 _ => return Err(SceneError::new(format!("a primitive with a skin lacks {what}"))),
             };
-            let joints = numbers::<4>(&joints, self.buffers, Dimensions::Vec4, Whole::Number)?;
-            let weights = numbers::<4>(&weights, self.buffers, Dimensions::Vec4, Whole::Fraction)?;
+            let joints = numbers::<4>(&joints, self.buffers, Dimensions::Vec4, WholeNumbers::Number)?;
+            let weights = numbers::<4>(&weights, self.buffers, Dimensions::Vec4, WholeNumbers::Fraction)?;
             if joints.len() != count || weights.len() != count {
                 let (joints, weights) = (joints.len(), weights.len());
                 let problem = format!("{joints} joints and {weights} weights of {what} for {count} positions");
@@ -237,7 +189,7 @@ impl<'a> Skeleton<'a> {
     fn joints_of(&self, skin: &::gltf::Skin<'_>) -> Result<(Vec<usize>, Vec<DMat4>), SceneError> {
         let nodes: Vec<usize> = skin.joints().map(|node| node.index()).collect();
         let inverse_binds: Vec<DMat4> = match skin.inverse_bind_matrices() {
-            Some(accessor) => numbers::<16>(&accessor, self.buffers, Dimensions::Mat4, Whole::Refused)?
+            Some(accessor) => numbers::<16>(&accessor, self.buffers, Dimensions::Mat4, WholeNumbers::Refused)?
                 .iter()
                 .map(DMat4::from_cols_array)
                 .collect(),
@@ -297,7 +249,7 @@ impl<'a> Skeleton<'a> {
 
     /// A joint that carries along what lies in the space of `node` at rest.
     fn attach(&mut self, node: usize, node_from_rest: DMat4) -> Result<usize, SceneError> {
-        let Place { moved, moved_from_node, .. } = self.places[node];
+        let PlacedNode { moved, moved_from_node, .. } = self.places[node];
         let joint_from_rest = affine(moved_from_node * node_from_rest).filter(|m| m.as_mat4().is_finite());
         let Some(joint_from_rest) = joint_from_rest else {
             let problem = format!("the inverse bind matrix of {} is not affine or not finite", self.label(node));
@@ -369,12 +321,6 @@ impl<'a> Skeleton<'a> {
     }
 }
 
-/// The place of a node's space in the world, or wherever its parent's is given.
-pub(super) fn world_from(node: &Node<'_>, world_from_parent: DMat4) -> DMat4 {
-    let local = node.transform().matrix().map(|column| column.map(f64::from));
-    world_from_parent * DMat4::from_cols_array_2d(&local)
-}
-
 fn no_such_joint(vertex: usize, joint: usize, count: usize) -> SceneError {
     SceneError::new(format!("vertex {vertex} names joint {joint}, but the skin has only {count}"))
 }
@@ -382,25 +328,6 @@ fn no_such_joint(vertex: usize, joint: usize, count: usize) -> SceneError {
 fn about_skin(skin: &::gltf::Skin<'_>, error: SceneError) -> SceneError {
     let name = skin.name().map_or_else(|| skin.index().to_string(), |name| format!("`{name}`"));
     SceneError { problem: format!("skin {name}: {}", error.problem), ..error }
-}
-
-fn label(node: &Node<'_>) -> String {
-    node.name().map_or_else(|| format!("node {}", node.index()), |name| format!("node `{name}`"))
-}
-
-/// Translation, rotation and scale of a node.
-fn base(place: &Place<'_>) -> Result<(DVec3, DQuat, DVec3), SceneError> {
-    match place.node.transform() {
-        Transform::Decomposed { translation, rotation, scale } => {
-            let rotation = DQuat::from_array(rotation.map(f64::from));
-            let rotation = if rotation.length_squared() < 1e-12 { DQuat::IDENTITY } else { rotation };
-            Ok((translation.map(f64::from).into(), rotation, scale.map(f64::from).into()))
-        }
-        Transform::Matrix { .. } => {
-            let Pose { scale, rotation, translation } = pose_of(&place.parent_from_node)?;
-            Ok((translation.as_dvec3(), rotation.as_dquat(), DVec3::splat(scale.into())))
-        }
-    }
 }
 
 /// An affine matrix whose last row is exactly so; `None` for what isn't affine or not finite.
@@ -417,95 +344,4 @@ fn affine(mut matrix: DMat4) -> Option<DMat4> {
 fn inverse(matrix: &DMat4) -> Option<DMat4> {
     let inverse = DMat4::from(DAffine3::from_mat4(*matrix).inverse());
     (matrix.determinant() != 0.0 && inverse.is_finite()).then_some(inverse)
-}
-
-/// The parent of each node.
-fn parents(document: &Document) -> Result<Vec<Option<usize>>, SceneError> {
-    let mut parents = vec![None; document.nodes().len()];
-    for node in document.nodes() {
-        for child in node.children() {
-            if parents[child.index()].replace(node.index()).is_some() {
-                return Err(SceneError::new(format!("{} has two parents", label(&child))));
-            }
-        }
-    }
-    Ok(parents)
-}
-
-/// All nodes, parents before their children.
-fn parents_first(places: &[Place<'_>]) -> Result<Vec<usize>, SceneError> {
-    let mut order: Vec<usize> = (0..places.len()).filter(|&index| places[index].parent.is_none()).collect();
-    let mut next = 0;
-    while let Some(&index) = order.get(next) {
-        order.extend(places[index].node.children().map(|child| child.index()));
-        next += 1;
-    }
-    if order.len() == places.len() {
-        return Ok(order);
-    }
-    let mut is_reached = vec![false; places.len()];
-    order.iter().for_each(|&index| is_reached[index] = true);
-    let in_a_loop = places.iter().zip(is_reached).find(|(_, reached)| !reached);
-    let name = in_a_loop.map_or_else(String::new, |(place, _)| label(&place.node));
-    Err(SceneError::new(format!("{name} is its own ancestor, or below a node that is")))
-}
-
-/// Finds an animation and gives its channels to the nodes that they move.
-fn read_tracks(
-    document: &Document,
-    buffers: &Buffers,
-    wanted: &Animation,
-    places: &mut [Place<'_>],
-) -> Result<(), SceneError> {
-    let known = || {
-        let name = |animation: ::gltf::Animation<'_>| match animation.name() {
-            Some(name) => format!("{} (`{name}`)", animation.index()),
-            None => animation.index().to_string(),
-        };
-        document.animations().map(name).collect::<Vec<_>>().join(", ")
-    };
-    let mut found = document.animations().filter(|animation| match wanted {
-        Animation::Number(number) => animation.index() == *number,
-        Animation::Name(name) => animation.name() == Some(name),
-    });
-    let animation = match (found.next(), found.next()) {
-        (Some(animation), None) => animation,
-        (Some(_), Some(_)) => {
-            return Err(SceneError::new(format!("more than one animation is called {wanted}"))
-                .with_remedy(format!("choose by number; known: {}", known())));
-        }
-        (None, _) if document.animations().len() == 0 => return Err(SceneError::new("it has no animations")),
-        (None, _) => return Err(SceneError::new(format!("it has no animation {wanted}; known: {}", known()))),
-    };
-    // The crate's validation takes targets for granted, so they are looked at in its JSON first.
-    let channels = document.as_json().animations.get(animation.index()).map(|json| &json.channels[..]);
-    for (channel, json) in animation.channels().zip(channels.unwrap_or(&[])) {
-        let about = |problem: String| SceneError::new(format!("animation {wanted}: {problem}"));
-        let Some(place) = places.get_mut(json.target.node.value()) else {
-            return Err(about(format!("node {} is named, but doesn't exist", json.target.node.value())));
-        };
-        match json.target.path {
-            Checked::Valid(Property::MorphTargetWeights) => {
-                let targets = |mesh: ::gltf::Mesh<'_>| mesh.primitives().map(|p| p.morph_targets().len()).max();
-                let Some(count) = place.node.mesh().and_then(targets) else { continue };
-                if count == 0 {
-                    return Err(about(format!("{}: its mesh has no morph targets to move", label(&place.node))));
-                }
-                if !place.weights.is_empty() {
-                    return Err(about(format!("{}: two channels move its weights", label(&place.node))));
-                }
-                place.weights = weights(&channel.sampler(), buffers, count)
-                    .map_err(|error| about(format!("{}: {}", label(&place.node), error.problem)))?;
-            }
-            Checked::Valid(property) => {
-                let tracks = place.tracks.get_or_insert_default();
-                tracks.add(property, &channel.sampler(), buffers).map_err(|error| SceneError {
-                    problem: format!("animation {wanted}: {}: {}", label(&place.node), error.problem),
-                    ..error
-                })?;
-            }
-            Checked::Invalid => return Err(about("a channel moves what glTF doesn't know".to_owned())),
-        }
-    }
-    Ok(())
 }

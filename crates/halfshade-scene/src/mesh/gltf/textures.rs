@@ -134,7 +134,7 @@ fn wrap_of(sampler: &Sampler<'_>) -> [Wrap; 2] {
     })
 }
 
-/// How a sampler magnifies: where it doesn't say, as it minifies.
+/// Filter by which a sampler magnifies: where it doesn't say, as it minifies.
 fn filter_of(sampler: &Sampler<'_>) -> Filter {
     use MinFilter::{Nearest, NearestMipmapLinear, NearestMipmapNearest};
     match (sampler.mag_filter(), sampler.min_filter()) {

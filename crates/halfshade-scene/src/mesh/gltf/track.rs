@@ -8,7 +8,7 @@
 //! - `CUBICSPLINE` is cut into pieces of [`PIECE_SECS`], at most [`MOST_PIECES`] between two keys, straight in between.
 
 use super::Buffers;
-use super::accessor::{Whole, numbers};
+use super::accessor::{WholeNumbers, numbers};
 use crate::{Motion, Pose, SceneError};
 use ::gltf::accessor::Dimensions;
 use ::gltf::animation::{Interpolation, Property, Sampler};
@@ -41,7 +41,7 @@ pub(super) type Weights = Vec<(f64, f32)>;
 
 /// The weights of the `count` morph targets of a mesh, as a channel moves them.
 pub(super) fn weights(sampler: &Sampler<'_>, buffers: &Buffers, count: usize) -> Result<Vec<Weights>, SceneError> {
-    let output = numbers::<1>(&sampler.output(), buffers, Dimensions::Scalar, Whole::Fraction)?;
+    let output = numbers::<1>(&sampler.output(), buffers, Dimensions::Scalar, WholeNumbers::Fraction)?;
     (0..count)
         .map(|target| {
             let values = output.iter().skip(target).step_by(count).map(|[weight]| DVec4::splat(*weight)).collect();
@@ -111,9 +111,12 @@ impl Track {
     fn read(property: Property, sampler: &Sampler<'_>, buffers: &Buffers) -> Result<Self, SceneError> {
         let output = sampler.output();
         let values: Vec<DVec4> = if property == Property::Rotation {
-            numbers::<4>(&output, buffers, Dimensions::Vec4, Whole::Fraction)?.into_iter().map(DVec4::from).collect()
+            numbers::<4>(&output, buffers, Dimensions::Vec4, WholeNumbers::Fraction)?
+                .into_iter()
+                .map(DVec4::from)
+                .collect()
         } else {
-            let places = numbers::<3>(&output, buffers, Dimensions::Vec3, Whole::Refused)?;
+            let places = numbers::<3>(&output, buffers, Dimensions::Vec3, WholeNumbers::Refused)?;
             places.into_iter().map(|place| DVec3::from(place).extend(0.0)).collect()
         };
         Self::new(property, sampler, buffers, values)
@@ -126,7 +129,7 @@ impl Track {
         buffers: &Buffers,
         values: Vec<DVec4>,
     ) -> Result<Self, SceneError> {
-        let times = numbers::<1>(&sampler.input(), buffers, Dimensions::Scalar, Whole::Refused)?;
+        let times = numbers::<1>(&sampler.input(), buffers, Dimensions::Scalar, WholeNumbers::Refused)?;
         let times: Vec<f64> = times.into_iter().map(|[time]| time).collect();
         let interpolation = sampler.interpolation();
         let per_key = if interpolation == Interpolation::CubicSpline { 3 } else { 1 };

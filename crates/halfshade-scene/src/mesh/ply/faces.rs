@@ -16,7 +16,7 @@ const COORDINATES: &str = "texcoord";
 pub(super) struct Faces {
     /// The vertices of all corners.
     pub(super) corners: Vec<u32>,
-    /// Where the corners of each face end.
+    /// End of each face's corners.
     pub(super) ends: Vec<usize>,
     /// The distinct texture coordinates of corners: u, and v upward.
     pub(super) coordinates: Vec<[f64; 2]>,

@@ -3,7 +3,7 @@
 use crate::SceneError;
 use crate::mesh::words::{Words, shown};
 
-/// How numbers are written after the header.
+/// Encoding of numbers after the header.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Format {
     Ascii,
@@ -111,71 +111,24 @@ impl Header {
                 Some(first @ (b"comment" | b"obj_info")) => vec![first],
                 first => first.into_iter().chain(std::iter::from_fn(|| words.word())).take(6).collect(),
             };
-            let wrong = |problem: &str, remedy: &str| {
-                SceneError::new(format!("{problem} in `{}`", words.shown_line()))
-                    .at_line(words.line())
-                    .with_remedy(remedy)
-            };
-            match line[..] {
+            let line = Line { words: &line, file: words };
+            match *line.words {
                 [] | [b"comment" | b"obj_info"] => {}
                 [b"end_header"] => break,
-                [b"format", name, version] if format.is_none() => {
-                    if version != b"1.0" {
-                        return Err(wrong("the version isn't 1.0", "export the mesh again"));
-                    }
-                    format = Some(match name {
-                        b"ascii" => Format::Ascii,
-                        b"binary_little_endian" => Format::LittleEndian,
-                        b"binary_big_endian" => Format::BigEndian,
-                        _ => {
-                            return Err(wrong(
-                                "unknown format",
-                                "known: ascii, binary_little_endian, binary_big_endian",
-                            ));
-                        }
-                    });
-                }
-                [b"element", name, count] => {
-                    let count = std::str::from_utf8(count).ok().and_then(|count| count.parse().ok());
-                    let count = count.ok_or_else(|| wrong("the count is no whole number", "export the mesh again"))?;
-                    elements.push(Element { name: lossy(name), count, properties: Vec::new() });
-                }
+                [b"format", name, version] if format.is_none() => format = Some(line.format(name, version)?),
+                [b"element", name, count] => elements.push(line.element(name, count)?),
                 [b"property", ref rest @ ..] => {
-                    let Some(element) = elements.last_mut() else {
-                        return Err(wrong("a property comes before any element", "export the mesh again"));
-                    };
-                    let of = |name: &[u8]| {
-                        let known =
-                            Type::NAMES.iter().find(|(a, b, _)| [a, b].iter().any(|known| known.as_bytes() == name));
-                        known.map(|known| known.2).ok_or_else(|| {
-                            let names = Type::NAMES.map(|known| known.0).join(", ");
-                            wrong(&format!("unknown type `{}`", shown(name)), &format!("known: {names}"))
-                        })
-                    };
-                    let property = match *rest {
-                        [b"list", length, item, name] => {
-                            Property { name: lossy(name), of: of(item)?, length: Some(of(length)?) }
-                        }
-                        [number, name] if number != b"list" => {
-                            Property { name: lossy(name), of: of(number)?, length: None }
-                        }
-                        _ => {
-                            return Err(wrong(
-                                "a property has a type and a name, or `list`, two types and a name",
-                                "export the mesh again",
-                            ));
-                        }
-                    };
-                    if property.length.is_some_and(|length| length.range().is_none()) {
-                        return Err(wrong("the length of a list is no whole number", "export the mesh again"));
-                    }
+                    let element = elements.last_mut();
+                    let element = element
+                        .ok_or_else(|| line.wrong("a property comes before any element", "export the mesh again"))?;
+                    let property = line.property(rest)?;
                     if element.properties.iter().any(|other| other.name == property.name) {
-                        return Err(wrong("the element has the property twice", "export the mesh again"));
+                        return Err(line.wrong("the element has the property twice", "export the mesh again"));
                     }
                     element.properties.push(property);
                 }
                 _ => {
-                    return Err(wrong(
+                    return Err(line.wrong(
                         "the line is not understood",
                         "a header has format, comment, obj_info, element, property and end_header",
                     ));
@@ -187,6 +140,69 @@ impl Header {
             .ok_or_else(|| SceneError::new("the header has no line `format`").with_remedy("export the mesh again"))?;
         words.next_line_where(returns_stand_alone);
         Ok(Self { format, elements })
+    }
+}
+
+/// A line of a header.
+struct Line<'a> {
+    words: &'a [&'a [u8]],
+    /// The file, read up to the line's last word.
+    file: &'a Words<'a>,
+}
+
+impl Line<'_> {
+    fn wrong(&self, problem: &str, remedy: &str) -> SceneError {
+        SceneError::new(format!("{problem} in `{}`", self.file.shown_line()))
+            .at_line(self.file.line())
+            .with_remedy(remedy)
+    }
+
+    fn format(&self, name: &[u8], version: &[u8]) -> Result<Format, SceneError> {
+        if version != b"1.0" {
+            return Err(self.wrong("the version isn't 1.0", "export the mesh again"));
+        }
+        match name {
+            b"ascii" => Ok(Format::Ascii),
+            b"binary_little_endian" => Ok(Format::LittleEndian),
+            b"binary_big_endian" => Ok(Format::BigEndian),
+            _ => Err(self.wrong("unknown format", "known: ascii, binary_little_endian, binary_big_endian")),
+        }
+    }
+
+    fn element(&self, name: &[u8], count: &[u8]) -> Result<Element, SceneError> {
+        let count = std::str::from_utf8(count).ok().and_then(|count| count.parse().ok());
+        let count = count.ok_or_else(|| self.wrong("the count is no whole number", "export the mesh again"))?;
+        Ok(Element { name: lossy(name), count, properties: Vec::new() })
+    }
+
+    /// The property that the words after `property` declare.
+    fn property(&self, words: &[&[u8]]) -> Result<Property, SceneError> {
+        let property = match *words {
+            [b"list", length, item, name] => {
+                Property { name: lossy(name), of: self.type_of(item)?, length: Some(self.type_of(length)?) }
+            }
+            [number, name] if number != b"list" => {
+                Property { name: lossy(name), of: self.type_of(number)?, length: None }
+            }
+            _ => {
+                return Err(self.wrong(
+                    "a property has a type and a name, or `list`, two types and a name",
+                    "export the mesh again",
+                ));
+            }
+        };
+        if property.length.is_some_and(|length| length.range().is_none()) {
+            return Err(self.wrong("the length of a list is no whole number", "export the mesh again"));
+        }
+        Ok(property)
+    }
+
+    fn type_of(&self, name: &[u8]) -> Result<Type, SceneError> {
+        let known = Type::NAMES.iter().find(|(a, b, _)| [a, b].iter().any(|known| known.as_bytes() == name));
+        known.map(|known| known.2).ok_or_else(|| {
+            let names = Type::NAMES.map(|known| known.0).join(", ");
+            self.wrong(&format!("unknown type `{}`", shown(name)), &format!("known: {names}"))
+        })
     }
 }
 

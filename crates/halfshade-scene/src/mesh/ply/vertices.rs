@@ -40,13 +40,26 @@ pub(super) struct Vertices {
     pub(super) colors: Option<FileColors>,
     /// Empty, or one per position: u, and v upward.
     pub(super) coordinates: Vec<[f64; 2]>,
-    /// Where they stand in a text.
+    /// Lines in a text.
     pub(super) lines: Vec<usize>,
     pub(super) notes: Vec<String>,
 }
 
-impl Vertices {
-    pub(super) fn read(payload: &mut Payload<'_>, element: &Element) -> Result<Self, SceneError> {
+/// Assignment of an element's properties to values of a vertex.
+struct Layout<'a> {
+    element: &'a Element,
+    /// Place of each property's value, where it is read.
+    places: Vec<Option<usize>>,
+    is_there: [bool; VALUES],
+    /// The property that is alpha.
+    alpha: Option<usize>,
+    /// The kind of number of the colours, and their type.
+    colors: Option<(ColorNumbers, Type)>,
+    notes: Vec<String>,
+}
+
+impl<'a> Layout<'a> {
+    fn new(element: &'a Element) -> Result<Self, SceneError> {
         let place_of = |name: &str| element.properties.iter().position(|p| p.name.eq_ignore_ascii_case(name));
         for axis in ["x", "y", "z"] {
             if place_of(axis).is_none() {
@@ -81,11 +94,8 @@ impl Vertices {
         if let Some(alpha) = alpha {
             places[alpha] = Some(ALPHA);
         }
-        let list = element
-            .properties
-            .iter()
-            .zip(&places)
-            .find(|(property, place)| place.is_some() && property.length.is_some());
+        let mut read = element.properties.iter().zip(&places);
+        let list = read.find(|(property, place)| place.is_some() && property.length.is_some());
         if let Some((property, _)) = list {
             return Err(SceneError::new(format!("the header declares `{}` of the vertices a list", property.name))
                 .with_remedy("export the mesh again"));
@@ -101,8 +111,30 @@ impl Vertices {
             notes.push(format!("properties of vertices left out: {}", left_out.join(", ")));
         }
         let colors = if is_there[COLOR] { Some(color_numbers(&element.properties, &places)?) } else { None };
+        Ok(Self { element, places, is_there, alpha, colors, notes })
+    }
 
-        let mut vertices = Self { notes, ..Self::default() };
+    /// Reads the values of one vertex; the places of those that the file doesn't have stay as they are.
+    fn read(&self, payload: &mut Payload<'_>, values: &mut [f64; VALUES]) -> Result<(), SceneError> {
+        for (property, place) in self.element.properties.iter().zip(&self.places) {
+            match (property.length, place) {
+                (None, Some(place)) => values[*place] = payload.number(property.of, &property.name)?,
+                (None, None) => drop(payload.number(property.of, &property.name)?),
+                (Some(length), _) => {
+                    for _ in 0..payload.length(length, property.of, &property.name)? {
+                        payload.number(property.of, &property.name)?;
+                    }
+                }
+            }
+        }
+        payload.end()
+    }
+}
+
+impl Vertices {
+    pub(super) fn read(payload: &mut Payload<'_>, element: &Element) -> Result<Self, SceneError> {
+        let layout = Layout::new(element)?;
+        let mut vertices = Self::default();
         // The count has been held against the file's length.
         vertices.positions.reserve_exact(element.count);
         let mut values = [0.0; VALUES];
@@ -111,44 +143,34 @@ impl Vertices {
         for _ in 0..element.count {
             payload.begin();
             vertices.lines.extend(payload.line());
-            for (property, place) in element.properties.iter().zip(&places) {
-                match (property.length, place) {
-                    (None, Some(place)) => values[*place] = payload.number(property.of, &property.name)?,
-                    (None, None) => drop(payload.number(property.of, &property.name)?),
-                    (Some(length), _) => {
-                        for _ in 0..payload.length(length, property.of, &property.name)? {
-                            payload.number(property.of, &property.name)?;
-                        }
-                    }
-                }
-            }
-            payload.end()?;
+            layout.read(payload, &mut values)?;
             let vector = |first: usize| DVec3::from_slice(&values[first..]).as_vec3();
             vertices.positions.push(vector(POSITION));
-            if is_there[NORMAL] {
+            if layout.is_there[NORMAL] {
                 let normal = vector(NORMAL);
                 let is_direction = normal.is_finite() && normal != Vec3::ZERO;
                 no_directions += usize::from(!is_direction);
                 vertices.normals.push(if is_direction { normal } else { Vec3::ZERO });
             }
-            if is_there[COORDINATE] {
+            if layout.is_there[COORDINATE] {
                 vertices.coordinates.push([values[COORDINATE], values[COORDINATE + 1]]);
             }
-            if let Some((_, of)) = colors {
+            if let Some((_, of)) = layout.colors {
                 // A byte that was declared signed.
                 let unwrapped = |value: f32| if of == Type::Char && value < 0.0 { value + 256.0 } else { value };
                 let color = vector(COLOR);
                 wrapped += usize::from(of == Type::Char && color.min_element() < 0.0);
                 colored.push(Some(color.map(unwrapped)));
             }
-            if let Some(alpha) = alpha {
+            if let Some(alpha) = layout.alpha {
                 let of = element.properties[alpha].of;
                 let opaque = if of.range().is_some() { 255.0 } else { 0.999 };
                 let value = values[ALPHA];
                 transparent += usize::from(value < opaque && !(of == Type::Char && value == -1.0));
             }
         }
-        vertices.colors = colors.map(|(numbers, _)| FileColors { numbers, values: colored });
+        vertices.colors = layout.colors.map(|(numbers, _)| FileColors { numbers, values: colored });
+        vertices.notes = layout.notes;
         for (count, what) in [
             (no_directions, "normals that are no directions, computed instead"),
             (transparent, "alpha of vertex colours left out, every vertex is opaque"),

@@ -38,7 +38,7 @@ pub(super) fn averaged(width: usize, height: usize, texels: &[[f32; 3]]) -> Vec<
     sums
 }
 
-/// Which of `from` intervals of [0, 1] lie in which of `to`, and what part of the latter's measure they are.
+/// Overlaps of `from` intervals of [0, 1] with `to` others, and what part of the latter's measure each is.
 fn overlaps(from: usize, to: usize, measure: impl Fn(f64) -> f64) -> Vec<(usize, usize, f64)> {
     let mut found = Vec::with_capacity(from + to);
     let (mut i, mut j) = (0, 0);

@@ -196,7 +196,7 @@ impl<'a> MatchingPursuit<'a> {
     }
 }
 
-/// By how much a lobe of the best scales lessens the squares of what is left.
+/// Decrease of the squares of what is left by a lobe of the best scales.
 fn gain(column: &Column, rest: &[Column; 3]) -> f64 {
     let explained: f64 = rest.iter().map(|rest| product(column, rest).max(0.0).powi(2)).sum();
     explained / product(column, column).max(f64::MIN_POSITIVE)
