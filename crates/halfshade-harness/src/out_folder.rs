@@ -80,7 +80,7 @@ impl OutFolder {
         Ok(folder)
     }
 
-    /// Where the folder is.
+    /// Path of the folder.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -89,7 +89,7 @@ impl OutFolder {
         self.path.join(PRIVATE)
     }
 
-    /// Where the journal is.
+    /// Path of the journal.
     pub fn journal(&self) -> PathBuf {
         self.private().join("journal.jsonl")
     }

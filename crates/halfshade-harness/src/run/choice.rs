@@ -1,4 +1,4 @@
-//! Which of an experiment's strategies are pictured, and which are compared with each other.
+//! Choice of an experiment's strategies that are pictured, and of those that are compared with each other.
 
 use crate::{Experiment, HarnessError, Variant};
 use halfshade_strategy::Strategy;

@@ -68,7 +68,7 @@ impl Record {
         self.place.is_some()
     }
 
-    /// Where truths are kept until the run is finished.
+    /// Cache of truths until the run is finished.
     pub(super) fn truth_cache(&self) -> Cache {
         self.place.as_ref().map_or_else(Cache::disabled, |(folder, _)| folder.truths())
     }

@@ -1,4 +1,4 @@
-//! Where a run begins: with nothing, with what a journal holds, or at its end, where only what has gone since is written again.
+//! The start of a run: with nothing, with a journal, or at its end, where only files that have gone since are written again.
 
 use super::record::{Known, Record};
 use crate::{
@@ -10,7 +10,7 @@ use crate::{
 use halfshade_scene::Progress;
 use std::path::{Path, PathBuf};
 
-/// Where a run begins.
+/// Start of a run.
 pub(super) enum Beginning {
     /// There is something to do.
     Open(Box<Record>),
