@@ -69,7 +69,7 @@ pub struct Experiment {
     /// Frames of every scene that doesn't say otherwise.
     #[serde(default = "first_frame", deserialize_with = "fields::distinct")]
     pub frames: Vec<usize>,
-    /// Which points are scored.
+    /// Points that are scored.
     #[serde(default = "vertices", deserialize_with = "fields::distinct")]
     pub receivers: Vec<ReceiverKind>,
     /// References that strategies are compared with.
@@ -99,7 +99,7 @@ pub struct Experiment {
     /// The strategies and their sweeps: the key `name` and any parameters.
     #[serde(rename = "strategy")]
     pub strategies: Vec<Spanned<BTreeMap<String, Spanned<toml::Value>>>>,
-    /// Where it was read from.
+    /// The file that it was read from.
     #[serde(skip)]
     pub path: PathBuf,
     /// Its text, for line numbers and for the hash that resuming compares.
@@ -130,7 +130,7 @@ pub struct SceneEntry {
     pub published: Vec<Published>,
 }
 
-/// Where pictures are taken from.
+/// Camera of pictures.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct View {
@@ -146,11 +146,11 @@ pub struct View {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Published {
-    /// Whose method.
+    /// The method, with its authors.
     pub method: String,
-    /// On what.
+    /// Hardware that it ran on.
     pub hardware: String,
-    /// Where it is printed.
+    /// Publication that prints it.
     pub source: String,
     /// Frames per second.
     pub frames_per_sec: f64,
@@ -166,7 +166,7 @@ pub struct TruthSettings {
     /// Sample until the root mean square of the standard error is below this fraction of the unshadowed mean.
     #[serde(default, deserialize_with = "fields::noise")]
     pub relative_noise: Option<f64>,
-    /// Where the samples start from.
+    /// Seed of the samples.
     #[serde(default = "one")]
     pub seed: u32,
 }

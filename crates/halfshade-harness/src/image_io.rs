@@ -38,7 +38,7 @@ impl Picture {
         difference
     }
 
-    /// As people see it: times `exposure`, sRGB transfer, 8 bits.
+    /// The picture as people see it: times `exposure`, sRGB transfer, 8 bits.
     pub fn to_srgb(&self, exposure: f32) -> image::RgbImage {
         image::RgbImage::from_fn(self.width as u32, self.height as u32, |x, y| {
             let pixel = self.pixels[y as usize * self.width + x as usize] * exposure;

@@ -19,7 +19,7 @@ use std::{
     io::{ErrorKind, Write},
     path::{Path, PathBuf},
 };
-use written::{Line, Place, SCHEMA, Written, name};
+use written::{Line, Place, SCHEMA, WrittenFiles, name};
 
 /// Subfolder that a run keeps for itself.
 pub const PRIVATE: &str = ".halfshade";
@@ -31,7 +31,7 @@ const UNFINISHED: &str = "unfinished-";
 #[derive(Debug)]
 pub struct OutFolder {
     path: PathBuf,
-    written: Written,
+    written: WrittenFiles,
     list: File,
     /// Held until this is dropped.
     _lock: File,
@@ -48,7 +48,7 @@ impl OutFolder {
         let lock_file = private.join("lock");
         let known_lock = if lock_file.exists() { Some(lock(path, &lock_file)?) } else { None };
         let list = private.join("written");
-        let written = Written::load(&list)?;
+        let written = WrittenFiles::load(&list)?;
         let mut foreign = Vec::new();
         for file in planned {
             if written.place(path, file)? == Place::Foreign {
@@ -80,7 +80,7 @@ impl OutFolder {
         Ok(folder)
     }
 
-    /// Where the folder is.
+    /// Path of the folder.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -89,7 +89,7 @@ impl OutFolder {
         self.path.join(PRIVATE)
     }
 
-    /// Where the journal is.
+    /// Path of the journal.
     pub fn journal(&self) -> PathBuf {
         self.private().join("journal.jsonl")
     }

@@ -1,4 +1,4 @@
-//! From receivers to pixels: which receivers a camera sees, and with what weights.
+//! Projection of receivers to pixels: those that a camera sees, and their weights.
 
 use crate::image_io::Picture;
 use glam::Vec3;

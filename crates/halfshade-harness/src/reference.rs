@@ -19,7 +19,7 @@ pub struct Accuracy {
     pub samples: usize,
     /// Sample until the root mean square of the standard error is below this fraction of the unshadowed mean.
     pub relative_noise: Option<f64>,
-    /// Where the samples start from.
+    /// Seed of the samples.
     pub seed: u64,
 }
 
@@ -47,9 +47,9 @@ pub struct ReferenceTracer<'a> {
     pub accuracy: Accuracy,
     /// Limits an environment to some bands.
     pub band_limit: &'a BandLimit<'a>,
-    /// Where they are kept.
+    /// Cache that keeps them.
     pub cache: &'a Cache,
-    /// Who is told how far it is.
+    /// Receiver of progress.
     pub progress: &'a dyn Progress,
 }
 

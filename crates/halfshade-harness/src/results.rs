@@ -78,7 +78,7 @@ pub struct SceneFacts {
     pub published: Vec<Published>,
 }
 
-/// How a run ended.
+/// Outcome of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Status {
@@ -99,7 +99,7 @@ pub struct Run {
     pub frame: usize,
     /// `vertices` or `pixels`.
     pub receivers: String,
-    /// How many receivers.
+    /// Number of receivers.
     pub receiver_count: usize,
     /// Strategy name, or `reference` for a reference compared with the mesh's.
     pub strategy: String,
@@ -107,17 +107,17 @@ pub struct Run {
     pub label: String,
     /// All parameters.
     pub params: BTreeMap<String, serde_json::Value>,
-    /// How it ended.
+    /// Its outcome.
     pub status: Status,
-    /// Why it wasn't measured.
+    /// Reason why it wasn't measured.
     pub reason: Option<String>,
-    /// How far off it is.
+    /// Its error.
     pub error: Option<ErrorFigures>,
     /// The truth that it was compared with.
     pub truth: Option<TruthFigures>,
-    /// How long it took.
+    /// Its time.
     pub time: Option<TimeFigures>,
-    /// How much it holds.
+    /// Its memory.
     pub memory: Option<Memory>,
     /// Figures that only this strategy has, if the experiment asks for them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -133,7 +133,7 @@ pub struct Detail {
     pub values: Vec<f64>,
 }
 
-/// How far one strategy is from another on one frame of one scene.
+/// Difference between two strategies on one frame of one scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Difference {
     /// Scene name.
@@ -156,7 +156,7 @@ pub struct Difference {
     pub max: f64,
 }
 
-/// How far off a run is.
+/// Errors of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ErrorFigures {
     /// `mesh`, `spheres`, `bands=n`.
@@ -169,7 +169,7 @@ pub struct ErrorFigures {
     /// Weights of receivers; in results of older versions all count alike.
     #[serde(default = "equal")]
     pub weights: Weighting,
-    /// By class of what hides the light, if the experiment asks for it.
+    /// Errors by class of what hides the light, if the experiment asks for them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub classes: Vec<ClassError>,
     /// Similarity of the pictures, where they were drawn: `flip` and `ssim`.
@@ -192,7 +192,7 @@ pub struct TruthFigures {
     pub unshadowed_mean: f64,
 }
 
-/// How long a run took.
+/// Time of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TimeFigures {
     /// Once per scene.
@@ -218,7 +218,7 @@ pub struct Sample {
     pub shade_secs: f64,
 }
 
-/// How much a run holds.
+/// Memory of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Memory {
     /// Sum.
@@ -238,7 +238,7 @@ pub struct PictureFiles {
     pub label: String,
     /// Layers: result, `truth`, `error`.
     pub exr: String,
-    /// To look at.
+    /// The result as a PNG.
     pub png: String,
     /// The signed error in colours; absent for the truth.
     pub error_png: Option<String>,

@@ -18,7 +18,7 @@ pub struct MeshLight<'a> {
     /// `sky` (the default), `constant`, or an image, optionally followed by `:latlong` or `:angular`. Without that, a square
     /// image is an angular map.
     pub name: Option<&'a str>,
-    /// Which layer of an OpenEXR image.
+    /// Layer of an OpenEXR image.
     pub layer: Option<&'a str>,
     /// The largest radiance of an image.
     pub clamp: Option<f32>,

@@ -1,4 +1,4 @@
-//! Which program this is.
+//! Version and commit of the program.
 
 /// Version and, where it is known, the commit.
 pub fn revision() -> String {

@@ -36,15 +36,15 @@ pub(crate) fn data(text: &str) -> Result<(), Failure> {
 }
 
 /// Progress bars on stderr; nothing where stderr is no terminal, or a dumb one.
-pub(crate) struct Bars(Mutex<ProgressBar>);
+pub(crate) struct ProgressBars(Mutex<ProgressBar>);
 
-impl Bars {
+impl ProgressBars {
     pub(crate) fn new() -> Self {
         Self(Mutex::new(ProgressBar::hidden()))
     }
 }
 
-impl Progress for Bars {
+impl Progress for ProgressBars {
     fn start(&self, label: &str, total: u64) {
         let Ok(mut bar) = self.0.lock() else { return };
         bar.finish_and_clear();
@@ -74,7 +74,7 @@ impl Progress for Bars {
     }
 }
 
-impl Drop for Bars {
+impl Drop for ProgressBars {
     fn drop(&mut self) {
         if let Ok(bar) = self.0.lock() {
             bar.finish_and_clear();

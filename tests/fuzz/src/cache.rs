@@ -40,7 +40,7 @@ pub fn cache_entry(which: u8, bytes: &[u8]) {
 
 type User = fn(&Path);
 
-/// Who asks, the entry's path, and what it holds.
+/// The reader, the entry's path, and its content.
 static ENTRIES: LazyLock<Vec<(User, PathBuf, Vec<u8>)>> = LazyLock::new(|| {
     // Spheres first, see `cache_entry`.
     let users: [User; 4] = [spheres, harmonics, wavelets, truth];

@@ -120,6 +120,49 @@ fn no_two_files_of_a_crate_use_each_other_in_a_circle() {
     assert!(found.is_empty(), "{} circles:\n{}", found.len(), found.join("\n"));
 }
 
+/// Packages that list their tests (`autotests = false`) leave out others without a word.
+#[test]
+fn no_file_of_tests_is_left_out() {
+    for entry in std::fs::read_dir(root().join("crates")).expect("the crates") {
+        let package = entry.expect("an entry").path();
+        let tests = package.join("tests");
+        if !tests.is_dir() {
+            continue;
+        }
+        let manifest = std::fs::read_to_string(package.join("Cargo.toml")).expect("a manifest");
+        let found = std::fs::read_dir(&tests).expect("tests").map(|entry| entry.expect("an entry").path());
+        let is_rust = |path: &PathBuf| {
+            path.extension().is_some_and(|ending| ending == "rs")
+                || path.join("mod.rs").exists()
+                || path.join("main.rs").exists()
+        };
+        if !found.into_iter().any(|path| is_rust(&path)) {
+            continue;
+        }
+        for (path, _) in sources(&tests) {
+            let relative = path.strip_prefix(&package).expect("below the package");
+            let is_listed = manifest.contains(&format!("path = \"{}\"", relative.display()));
+            let is_discovered = !manifest.contains("autotests = false")
+                && (path.parent() == Some(&tests) || path.file_name().is_some_and(|name| name == "main.rs"));
+            assert!(is_listed || is_discovered || is_module(&path), "no test program has {}", relative.display());
+        }
+    }
+}
+
+/// Whether a file in the folder of `path`, or above it for a folder's `mod.rs`, declares it as a module.
+fn is_module(path: &Path) -> bool {
+    let is_folder = path.file_name().is_some_and(|name| name == "mod.rs");
+    let module = if is_folder { path.parent().unwrap_or(path) } else { path };
+    let (Some(name), Some(folder)) = (module.file_stem().and_then(|stem| stem.to_str()), module.parent()) else {
+        return false;
+    };
+    let declares = |file: &str| {
+        let text = std::fs::read_to_string(folder.join(file)).unwrap_or_default();
+        text.lines().any(|line| line.trim_start_matches("pub(crate) ") == format!("mod {name};"))
+    };
+    declares("main.rs") || declares("mod.rs")
+}
+
 #[test]
 fn only_the_harness_looks_at_the_clock() {
     let crates = root().join("crates");

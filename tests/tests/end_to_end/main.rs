@@ -4,6 +4,7 @@ mod bad_input;
 mod command_line;
 mod common;
 mod experiments;
+mod readme;
 mod runs;
 mod shared_assets;
 mod spheres_where_needed;

@@ -76,7 +76,7 @@ fn black(random: &mut Random) -> EnvironmentMap {
     sized(random, |_| Vec3::ZERO)
 }
 
-/// As bright as a constant sky of some radiance, whatever its size.
+/// A sun as bright as a constant sky of some radiance, whatever its size.
 fn sun(random: &mut Random) -> Sun {
     let angular_radius = random.pick(&[0.01_f32, 0.265, 5.0, 45.0, 90.0]).to_radians();
     let strength = radiance(random);

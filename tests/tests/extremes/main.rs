@@ -88,7 +88,7 @@ fn outcome(strategies: &[Box<dyn Strategy>], drawn: &Drawn, subject: &Subject<'_
     Outcome { seed: drawn.seed, name: subject.name, spec: subject.spec.clone(), failures }
 }
 
-/// Where scenes that fail are written.
+/// Folder for scenes that fail.
 fn folder_of(outcome: &Outcome) -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("extreme-{}-{}", outcome.seed, outcome.name))
 }

@@ -23,7 +23,7 @@ pub(crate) struct Subject<'a> {
     pub(crate) strategy: &'a dyn Strategy,
     pub(crate) name: &'static str,
     pub(crate) params: Params,
-    /// As a user would write it.
+    /// The parameters as a user would write them.
     pub(crate) spec: String,
 }
 

@@ -18,7 +18,7 @@ pub(crate) struct Place {
     pub(crate) weights: DVec3,
 }
 
-/// Where the receivers of a scene are, in whatever frame.
+/// Places of a scene's receivers, in whatever frame.
 pub(crate) struct Places {
     vertices: Vec<u32>,
     points: Vec<Place>,

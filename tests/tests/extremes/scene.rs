@@ -95,7 +95,7 @@ impl Drawn {
         f32::EPSILON * (self.middle.length() + self.extent + lamps) / self.feature
     }
 
-    /// With one blocker more, after all others.
+    /// The scene with one blocker more, after all others.
     pub(crate) fn with_blocker(&self, random: &mut Random) -> Self {
         let mut more = self.clone();
         let place = self.middle + self.extent * random.between(0.0, 1.0) * random.direction();
@@ -113,7 +113,7 @@ impl Drawn {
         brighter
     }
 
-    /// Without anything that blocks; objects stay, so that receivers still have theirs.
+    /// The scene without blockers; objects stay, so that receivers still have theirs.
     pub(crate) fn open(&self) -> Self {
         let mut open = self.clone();
         for object in &mut open.scene.objects {

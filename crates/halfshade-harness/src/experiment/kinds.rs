@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use std::{fmt, num::NonZeroUsize, str::FromStr};
 
-/// Which points are scored.
+/// Points that are scored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ReceiverKind {

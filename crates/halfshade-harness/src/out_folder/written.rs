@@ -11,7 +11,7 @@ pub(super) const SCHEMA: &str = "halfshade.written/1";
 
 /// Hashes of all contents that files were given, by path below the folder, with `/`.
 #[derive(Debug, Default)]
-pub(super) struct Written(HashMap<String, Vec<String>>);
+pub(super) struct WrittenFiles(HashMap<String, Vec<String>>);
 
 /// A line of the list.
 #[derive(Debug, Serialize, Deserialize)]
@@ -30,7 +30,7 @@ pub(super) enum Place {
     Foreign,
 }
 
-impl Written {
+impl WrittenFiles {
     pub(super) fn load(path: &Path) -> Result<Self, HarnessError> {
         let bytes = match fs::read(path) {
             Ok(bytes) => bytes,

@@ -1,4 +1,4 @@
-//! From stored results to what is read of them.
+//! Pages of stored results.
 
 use super::{
     all_runs::all_runs,
@@ -13,7 +13,7 @@ use super::{
 };
 use crate::Results;
 
-/// Where the numbers come from, in one line.
+/// Source of the numbers, in one line.
 pub fn provenance(results: &Results) -> String {
     format!(
         "halfshade {}: experiment {}{}, {} threads of {}, {}",

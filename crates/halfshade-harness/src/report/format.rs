@@ -16,7 +16,7 @@ pub enum Format {
 }
 
 impl Table {
-    /// In `format`; `provenance` says where the numbers come from, in one line.
+    /// The table in `format`; `provenance` says in one line where the numbers come from.
     pub fn write(&self, format: Format, provenance: &str) -> String {
         match format {
             Format::Markdown => markdown::table(self),
@@ -28,7 +28,7 @@ impl Table {
 }
 
 impl Page {
-    /// In `format`.
+    /// The page in `format`.
     pub fn write(&self, format: Format) -> String {
         match format {
             Format::Markdown => markdown::page(self),

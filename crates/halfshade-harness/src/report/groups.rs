@@ -1,4 +1,4 @@
-//! Which runs are shown together.
+//! Groups of runs that are shown together.
 
 use crate::results::{Results, Run};
 

@@ -6,7 +6,7 @@ use crate::results::PictureFiles;
 /// A page for people.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Page {
-    /// Where its numbers come from, in one line.
+    /// Source of its numbers, in one line.
     pub provenance: String,
     /// Its blocks, from the top.
     pub blocks: Vec<Block>,

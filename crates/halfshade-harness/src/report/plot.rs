@@ -20,7 +20,7 @@ use style::{SIZE, register_font};
 /// The plot of one frame of one scene, ready to be drawn.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plot {
-    /// Where its files lie, without their ending, relative to the results.
+    /// Path of its files without their ending, relative to the results.
     pub file: String,
     title: String,
     threads: usize,
@@ -39,7 +39,7 @@ impl Plot {
         })
     }
 
-    /// As SVG text.
+    /// The plot as SVG.
     pub fn svg(&self) -> Result<String, String> {
         register_font();
         let mut svg = String::new();
@@ -47,7 +47,7 @@ impl Plot {
         Ok(svg)
     }
 
-    /// As PNG bytes, of twice the size, so that it stays sharp on dense screens.
+    /// The plot as a PNG of twice the size, so that it stays sharp on dense screens.
     pub fn png(&self) -> Result<Vec<u8>, String> {
         register_font();
         let (width, height) = (2 * SIZE.0, 2 * SIZE.1);

@@ -14,16 +14,16 @@ use crate::{
     statistics::Spread,
 };
 
-/// A figure of how a picture looks.
-type Look = (Column, fn(&Similarity) -> Option<f64>);
+/// A column of pictures' similarity, and its figure.
+type SimilarityColumn = (Column, fn(&Similarity) -> Option<f64>);
 
 /// Runs of a scene's table, and everything that its rows have in common.
-struct Shown<'a> {
+struct SceneRuns<'a> {
     runs: Vec<&'a Run>,
     /// The reference of the errors, in words.
     reference: String,
     /// Figures of pictures that any run has.
-    looks: Vec<Look>,
+    similarities: Vec<SimilarityColumn>,
     /// Whether any run was timed.
     timed: bool,
     published: &'a [Published],
@@ -37,11 +37,14 @@ pub(super) fn scene_table(results: &Results, scene: &str, frame: usize, receiver
     let runs: Vec<&Run> = runs_of(results, scene, frame, receivers)
         .filter(|run| run.strategy != "reference" && (run.reference() == reference || run.status != Status::Ok))
         .collect();
-    let looks: [Look; 2] =
+    let similarities: [SimilarityColumn; 2] =
         [(Column::ranked("FLIP", Better::Lower), |s| s.flip), (Column::ranked("SSIM", Better::Higher), |s| s.ssim)];
     let errors = || runs.iter().filter_map(|run| run.error.as_ref());
-    let shown = Shown {
-        looks: looks.into_iter().filter(|(_, of)| errors().any(|error| of(&error.similarity).is_some())).collect(),
+    let scene_runs = SceneRuns {
+        similarities: similarities
+            .into_iter()
+            .filter(|(_, of)| errors().any(|error| of(&error.similarity).is_some()))
+            .collect(),
         timed: runs.iter().any(|run| run.frame_secs().is_some()),
         published: facts.map_or(&[][..], |facts| facts.published.as_slice()),
         runs,
@@ -54,12 +57,12 @@ pub(super) fn scene_table(results: &Results, scene: &str, frame: usize, receiver
         ),
         None => format!("{scene}, frame {frame}"),
     };
-    let columns = shown.columns();
-    let rows = shown.runs.iter().map(|run| shown.row(run, columns.len())).collect();
-    Table { title, columns, rows, notes: shown.notes(&results.machine, receivers) }
+    let columns = scene_runs.columns();
+    let rows = scene_runs.runs.iter().map(|run| scene_runs.row(run, columns.len())).collect();
+    Table { title, columns, rows, notes: scene_runs.notes(&results.machine, receivers) }
 }
 
-impl Shown<'_> {
+impl SceneRuns<'_> {
     fn columns(&self) -> Vec<Column> {
         let mut columns = vec![
             Column::plain("strategy"),
@@ -70,7 +73,7 @@ impl Shown<'_> {
             Column::ranked("p99", Better::Lower),
             Column::ranked("max", Better::Lower),
         ];
-        columns.extend(self.looks.iter().map(|(column, _)| column.clone()));
+        columns.extend(self.similarities.iter().map(|(column, _)| column.clone()));
         columns.push(Column::plain("bake s"));
         if self.timed {
             columns.push(Column::plain("prepare ms"));
@@ -99,7 +102,7 @@ impl Shown<'_> {
         row.extend([m.mae, m.p95, m.p99, m.max].map(|value| {
             relative(value, mean).map_or(Cell::empty(), |value| Cell::number(significant(value, 3), value))
         }));
-        row.extend(self.looks.iter().map(|(_, value)| {
+        row.extend(self.similarities.iter().map(|(_, value)| {
             value(&error.similarity).map_or(Cell::empty(), |value| Cell::number(format!("{value:.4}"), value))
         }));
         let time = run.time.as_ref();

@@ -18,11 +18,11 @@ pub struct Table {
 pub struct Column {
     /// Its head.
     pub name: String,
-    /// Which way is better, if one is: the best cell is set bold, the second underlined.
+    /// Direction that is better, if one is: the best cell is set bold, the second underlined.
     pub better: Option<Better>,
 }
 
-/// Which way is better.
+/// Direction that is better.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Better {
     /// Small numbers.

@@ -29,7 +29,8 @@ impl Results {
         Ok(results)
     }
 
-    /// As JSON, with a line break at the end. Numbers that are not finite, which JSON would turn into `null`, are refused.
+    /// The results as JSON, with a line break at the end. Numbers that are not finite are refused: JSON would make them
+    /// `null`.
     pub fn to_json(&self) -> Result<String, HarnessError> {
         let fail = |problem: String| HarnessError::input(format!("results cannot be written as JSON: {problem}"));
         if let Some(place) = self.not_finite() {

@@ -1,17 +1,17 @@
-//! Which of an experiment's strategies are pictured, and which are compared with each other.
+//! VariantChoice of an experiment's strategies that are pictured, and of those that are compared with each other.
 
 use crate::{Experiment, HarnessError, Variant};
 use halfshade_strategy::Strategy;
 use toml::Spanned;
 
 /// Finds strategies by their SPECs.
-pub(super) struct Choice<'a> {
+pub(super) struct VariantChoice<'a> {
     pub(super) experiment: &'a Experiment,
     pub(super) strategies: &'a [Box<dyn Strategy>],
     pub(super) variants: &'a [Variant],
 }
 
-impl Choice<'_> {
+impl VariantChoice<'_> {
     /// Keys of the variants of which pictures are drawn.
     pub(super) fn pictured(&self) -> Result<Vec<String>, HarnessError> {
         let Some(settings) = &self.experiment.pictures else { return Ok(Vec::new()) };

@@ -24,7 +24,7 @@ pub(super) struct Group<'a> {
     pub(super) rows: Vec<Row>,
 }
 
-/// From receivers to pictures.
+/// Projection of receivers to pictures.
 pub(super) struct View {
     projection: Projection,
     /// Factor for all PNGs, which is that of the truth's picture.

@@ -29,7 +29,7 @@ use group::Group;
 use halfshade_scene::Scene;
 use measure::measure;
 use record::Record;
-use resume::{Beginning, header_of};
+use resume::{RunStart, header_of};
 use setup::Setup;
 
 /// Runs `experiment` and returns its results; with [`RunOptions::out`], `results.json` and its company lie there.
@@ -42,9 +42,9 @@ pub fn run(experiment: &Experiment, tools: &Tools<'_>, options: &RunOptions) -> 
     let header = Header { program: machine::program_hash(), ..header_of(&results) };
     let mut record = match &options.out {
         None => Record::default(),
-        Some(out) => match Beginning::of(out, &plan.outputs(), &header, options.resume, tools.progress)? {
-            Beginning::Finished(results) => return Ok(*results),
-            Beginning::Open(record) => *record,
+        Some(out) => match RunStart::of(out, &plan.outputs(), &header, options.resume, tools.progress)? {
+            RunStart::Finished(results) => return Ok(*results),
+            RunStart::Open(record) => *record,
         },
     };
     let setup = Setup { tools, plan: &plan, threads, truth_cache: record.truth_cache(), is_kept: record.is_kept() };

@@ -1,7 +1,7 @@
 //! The plan of an experiment: loaded scenes, and groups of runs that are measured together.
 
 use super::{
-    choice::Choice,
+    choice::VariantChoice,
     scenes::{Loaded, scenes},
 };
 use crate::{
@@ -108,7 +108,7 @@ impl Plan {
     /// Loads and checks everything, so that mistakes show before any work is done.
     pub fn new(experiment: &Experiment, strategies: &[Box<dyn Strategy>], quick: bool) -> Result<Self, HarnessError> {
         let variants = variant::sweep(experiment, strategies)?;
-        let choice = Choice { experiment, strategies, variants: &variants };
+        let choice = VariantChoice { experiment, strategies, variants: &variants };
         let (pictured, difference, pairs) = (choice.pictured()?, choice.difference()?, choice.pairs()?);
         let Loaded { scenes, inputs } = scenes(experiment, quick)?;
         // The mesh always comes first: it is the truth that everything is relative to.

@@ -13,7 +13,7 @@ use std::{collections::HashMap, path::Path};
 
 /// Measurements by [`Run::key`].
 #[derive(Default)]
-pub(super) struct Known {
+pub(super) struct KnownRuns {
     scored: HashMap<String, Vec<Run>>,
     samples: HashMap<String, Vec<Sample>>,
     pictured: HashMap<String, (PictureFiles, Similarity)>,
@@ -24,10 +24,10 @@ pub(super) struct Known {
 #[derive(Default)]
 pub(super) struct Record {
     place: Option<(OutFolder, Journal)>,
-    known: Known,
+    known: KnownRuns,
 }
 
-impl Known {
+impl KnownRuns {
     /// Pictures that are gone or were changed are drawn again.
     pub(super) fn of(entries: Vec<Entry>, folder: &OutFolder) -> Self {
         let is_there = |files: &PictureFiles| {
@@ -59,7 +59,7 @@ impl Known {
 
 impl Record {
     /// One that is kept.
-    pub(super) fn kept(folder: OutFolder, journal: Journal, known: Known) -> Self {
+    pub(super) fn kept(folder: OutFolder, journal: Journal, known: KnownRuns) -> Self {
         Self { place: Some((folder, journal)), known }
     }
 
@@ -68,7 +68,7 @@ impl Record {
         self.place.is_some()
     }
 
-    /// Where truths are kept until the run is finished.
+    /// Cache of truths until the run is finished.
     pub(super) fn truth_cache(&self) -> Cache {
         self.place.as_ref().map_or_else(Cache::disabled, |(folder, _)| folder.truths())
     }

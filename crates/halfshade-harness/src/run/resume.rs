@@ -1,6 +1,6 @@
-//! Where a run begins: with nothing, with what a journal holds, or at its end, where only what has gone since is written again.
+//! The start of a run: with nothing, with a journal, or at its end, where only files that have gone since are written again.
 
-use super::record::{Known, Record};
+use super::record::{KnownRuns, Record};
 use crate::{
     HarnessError, Results,
     journal::{Header, Journal, SCHEMA},
@@ -10,15 +10,15 @@ use crate::{
 use halfshade_scene::Progress;
 use std::path::{Path, PathBuf};
 
-/// Where a run begins.
-pub(super) enum Beginning {
+/// Start of a run.
+pub(super) enum RunStart {
     /// There is something to do.
     Open(Box<Record>),
     /// All is done.
     Finished(Box<Results>),
 }
 
-impl Beginning {
+impl RunStart {
     /// Opens `out` for a run that writes the files `planned`, and reads what there is to go on with if it is to `resume`.
     pub(super) fn of(
         out: &Path,
@@ -33,7 +33,7 @@ impl Beginning {
             && path.exists()
             && let Some((journal, entries)) = Journal::resume(&path, header)?
         {
-            let known = Known::of(entries, &folder);
+            let known = KnownRuns::of(entries, &folder);
             return Ok(Self::Open(Box::new(Record::kept(folder, journal, known))));
         }
         if resume && folder.holds(Path::new("results.json")) {
@@ -72,7 +72,7 @@ impl Beginning {
             progress.note(&format!("{}: of an earlier run this one replaces {what}", out.display()));
         }
         let journal = Journal::create(&path, header)?;
-        Ok(Self::Open(Box::new(Record::kept(folder, journal, Known::default()))))
+        Ok(Self::Open(Box::new(Record::kept(folder, journal, KnownRuns::default()))))
     }
 }
 

@@ -11,9 +11,9 @@ pub struct Tools<'a> {
     pub strategies: &'a [Box<dyn Strategy>],
     /// Limits an environment to some bands.
     pub band_limit: &'a BandLimit<'a>,
-    /// Where sphere sets are kept.
+    /// Cache of sphere sets.
     pub cache: &'a Cache,
-    /// Who is told how far long work is.
+    /// Receiver of progress.
     pub progress: &'a dyn Progress,
     /// The clock.
     pub clock: &'a dyn Clock,
@@ -30,7 +30,7 @@ pub struct RunOptions {
     pub quick: bool,
     /// Go on with the journal that is there.
     pub resume: bool,
-    /// Where pictures, results and the journal go; without it nothing is written, timed or pictured.
+    /// Folder of pictures, results and the journal; without it nothing is written, timed or pictured.
     pub out: Option<PathBuf>,
     /// Refuse scenes that are read from other files than these.
     pub inputs: Option<Vec<InputFile>>,

@@ -1,7 +1,8 @@
 //! State that commands share.
 
 use crate::{
-    band_limit, cli::SceneArguments, failure::Failure, revision::revision, strategies::strategies, terminal::Bars,
+    band_limit, cli::SceneArguments, failure::Failure, revision::revision, strategies::strategies,
+    terminal::ProgressBars,
 };
 use halfshade_harness::{
     SystemClock,
@@ -20,7 +21,7 @@ use std::{
 pub(super) struct Context {
     pub(super) cache: Cache,
     pub(super) threads: Option<usize>,
-    pub(super) bars: Bars,
+    pub(super) bars: ProgressBars,
     pub(super) clock: SystemClock,
     pub(super) strategies: Vec<Box<dyn Strategy>>,
     revision: String,
@@ -34,7 +35,7 @@ impl Context {
         let cache = Cache::open(cache);
         Self {
             threads,
-            bars: Bars::new(),
+            bars: ProgressBars::new(),
             clock: SystemClock::start(),
             strategies: strategies(&cache),
             cache,
