@@ -18,16 +18,11 @@ pub fn band_limit(environment: &Environment, bands: usize) -> Environment {
         return environment.clone();
     };
     let texels = (0..WIDTH * HEIGHT).map(|i| {
-        let u = ((i % WIDTH) as f32 + 0.5) / WIDTH as f32;
-        let v = ((i / WIDTH) as f32 + 0.5) / HEIGHT as f32;
-        let values = basis::evaluate(bands, direction(&blank, u, v));
+        let direction = blank.texel_direction(i).as_dvec3().normalize_or(glam::DVec3::Y);
+        let values = basis::evaluate(bands, direction.to_array());
         Vec3::from(coefficients.each_ref().map(|channel| basis::dot(channel, &values) as f32))
     });
     EnvironmentMap::new(WIDTH, HEIGHT, texels.collect()).map_or_else(|| environment.clone(), Environment::map)
-}
-
-fn direction(map: &EnvironmentMap, u: f32, v: f32) -> [f64; 3] {
-    map.direction_at(u, v).as_dvec3().normalize_or(glam::DVec3::Y).to_array()
 }
 
 #[cfg(test)]

@@ -26,8 +26,7 @@ mod tests {
         let mut irradiance = Vec3::ZERO;
         for row in 0..map.height() {
             for column in 0..map.width() {
-                let (u, v) = ((column as f32 + 0.5) / map.width() as f32, (row as f32 + 0.5) / map.height() as f32);
-                let direction = map.direction_at(u, v);
+                let direction = map.texel_direction(row * map.width() + column);
                 irradiance += map.radiance(direction) * direction.y.max(0.0) * map.texel_solid_angle(row) as f32;
             }
         }

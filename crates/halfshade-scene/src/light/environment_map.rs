@@ -57,6 +57,12 @@ impl EnvironmentMap {
         Vec3::new(sin_polar * sin_azimuth, cos_polar, -sin_polar * cos_azimuth)
     }
 
+    /// Unit direction of the middle of a texel, by its number in [`Self::texels`].
+    pub fn texel_direction(&self, texel: usize) -> Vec3 {
+        let (u, v) = ((texel % self.width) as f32 + 0.5, (texel / self.width) as f32 + 0.5);
+        self.direction_at(u / self.width as f32, v / self.height as f32)
+    }
+
     /// Solid angle in steradians of each texel of `row`.
     pub fn texel_solid_angle(&self, row: usize) -> f64 {
         let edge = |row: usize| (std::f64::consts::PI * row as f64 / self.height as f64).cos();

@@ -96,8 +96,7 @@ impl Sky {
             let cosine = |row: usize| (PI * row as f64 / height as f64).cos();
             let weight = 0.5 * (cosine(row).powi(2) - cosine(row + 1).powi(2)) * 2.0 * PI / width as f64;
             for column in 0..width {
-                let (u, v) = ((column as f32 + 0.5) / width as f32, (row as f32 + 0.5) / height as f32);
-                let radiance = model.radiance(map.direction_at(u, v).as_dvec3().normalize());
+                let radiance = model.radiance(map.texel_direction(row * width + column).as_dvec3().normalize());
                 irradiance += weight * radiance;
                 texels.push(radiance.as_vec3());
             }

@@ -1,14 +1,13 @@
 //! Everything that can be set.
 
-use super::mask::MAX_DEPTH;
+use super::kernel::mask::MAX_DEPTH;
 use crate::shared::adjustment::Rule;
 use halfshade_sh::lobe::{CapFit, ProductRule};
 use halfshade_strategy::{Preset, choice, settings};
-use std::hint::black_box;
 
 choice! {
     /// Which two of reflectance, light and visibility are multiplied first.
-    pub(super) enum Order {
+    pub(crate) enum Order {
         /// light and visibility, exactly: the leaves are parts of the light
         LightFirst = "light-first",
         /// reflectance and light, as lobes [Meunier2009, 5.4]
@@ -17,8 +16,8 @@ choice! {
 }
 
 choice! {
-    /// What becomes of cells of the last level that no sphere covers wholly.
-    pub(super) enum Leaves {
+    /// Cells of the last level that no sphere covers wholly.
+    pub(crate) enum Leaves {
         /// ignored
         Aggressive = "aggressive",
         /// kept as if they were covered
@@ -30,7 +29,7 @@ choice! {
 
 choice! {
     /// How lobes that overlap are weighted.
-    pub(super) enum Weights {
+    pub(crate) enum Weights {
         /// by least squares, so that what one blocker hides of a light is nearest to the truth
         Fitted = "fitted",
         /// so that a level's leaves together hide the whole light
@@ -42,7 +41,7 @@ choice! {
 
 choice! {
     /// The lobe for a light or a bounding sphere.
-    pub(super) enum Fit for CapFit {
+    pub(crate) enum Fit for CapFit {
         /// scale 1, exponent by least squares [Meunier2009, eq. 31-34]
         LeastSquares = "least-squares",
         /// exponent and scale by least squares
@@ -56,7 +55,7 @@ choice! {
 
 choice! {
     /// How a product of two lobes becomes a lobe.
-    pub(super) enum Product for ProductRule {
+    pub(crate) enum Product for ProductRule {
         /// axis at the peak, exponent and scale by least squares [Meunier2009, eq. 15-19]
         Published = "published",
         /// axis and exponent as published, scale by the integral
@@ -68,7 +67,7 @@ choice! {
 
 choice! {
     /// How sums of lobes are integrated.
-    pub(super) enum Integration {
+    pub(crate) enum Integration {
         /// by products
         Analytic = "analytic",
         /// by sampling the lobes, for comparison
@@ -76,27 +75,9 @@ choice! {
     }
 }
 
-choice! {
-    /// A part of the work for one receiver and light, in the order of [Meunier2009, table 1].
-    pub(super) enum Stage {
-        /// none
-        Nothing = "nothing",
-        /// lobes of the reflectance
-        Reflectance = "reflectance",
-        /// the light, and what of it is reflected unblocked
-        Light = "light",
-        /// spheres in the way, and which cells they cover
-        Mask = "mask",
-        /// lobes of the covered cells
-        MaskLobes = "mask-lobes",
-        /// integrals of their products
-        Integrals = "integrals",
-    }
-}
-
 settings! {
     /// All parameters.
-    pub(super) struct Settings {
+    pub(crate) struct Settings {
         /// what is multiplied first
         "order" => order: Order = Order::LightFirst;
         /// levels of the mask's quad-tree below its root; 0 is the root alone
@@ -113,8 +94,6 @@ settings! {
         "integration" => integration: Integration = Integration::Analytic;
         /// for integration=sampled: directions per integral
         "samples" => samples: usize = 64, in 1..=65_536;
-        /// a part of the work that is done twice: by how much that takes longer is its share of the time
-        "twice" => twice: Stage = Stage::Nothing;
         /// spheres that cut the tangent plane
         "rule" => rule: Rule = Rule::Continuous;
         /// products below this fraction of the unblocked light's are left out; 0 leaves out none
@@ -132,19 +111,8 @@ settings! {
 }
 
 /// Values under one name.
-pub(super) const PRESETS: &[Preset] = &[Preset {
+pub(crate) const PRESETS: &[Preset] = &[Preset {
     name: "as-published",
     summary: "[Meunier2009]: reflectance times light first, partly covered leaves ignored, lobes and products by least squares",
     settings: "order=published,leaves=aggressive,fit=least-squares,product=published",
 }];
-
-impl Settings {
-    /// One stage of the work, as often as is asked for. Its result is the same.
-    #[inline(always)]
-    pub(super) fn stage<T>(&self, stage: Stage, mut work: impl FnMut() -> T) -> T {
-        if self.twice == stage {
-            black_box(work());
-        }
-        work()
-    }
-}
