@@ -3,8 +3,8 @@
 
 pub(crate) mod adjustment;
 pub(crate) mod origin;
-pub mod projected_light;
 pub(crate) mod placed_spheres;
+pub mod projected_light;
 pub(crate) mod tangent_plane;
 #[cfg(test)]
 pub(crate) mod test_scenes;

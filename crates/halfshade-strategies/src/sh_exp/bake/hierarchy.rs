@@ -1,7 +1,6 @@
 //! The spheres of every object, from the leaves to coarser levels [Guerrero2007, 4.1 "Parent sphere construction"].
 
-use crate::sh_exp::settings::Overlap;
-use glam::DQuat;
+use crate::{sh_exp::settings::Overlap, shared::placed_spheres};
 use halfshade_scene::{
     Deformed, Mesh, Object, Scene, Sphere, SphereSet,
     spheres::{Followed, SphereBinding, SphereHierarchy, overlap_shares},
@@ -23,10 +22,7 @@ pub(crate) struct Level {
 impl Level {
     /// The spheres of a level of `mesh` where it is now.
     pub(crate) fn followed(&self, mesh: &Mesh, deformed: Option<&Deformed>) -> Vec<Followed> {
-        match (&self.binding, deformed) {
-            (Some(binding), Some(deformed)) => binding.follow(&mesh.positions, &deformed.positions),
-            _ => self.spheres.iter().map(|&sphere| Followed { sphere, rotation: DQuat::IDENTITY }).collect(),
-        }
+        placed_spheres::followed(&self.spheres, self.binding.as_ref(), mesh, deformed)
     }
 }
 

@@ -5,7 +5,7 @@ use crate::{
         bake::hierarchy::{Hierarchies, Level},
         kernel::Blocker,
     },
-    shared::origin::origin_of,
+    shared::{origin::origin_of, placed_spheres},
 };
 use glam::{DMat3, DQuat, DVec3};
 use halfshade_scene::{Frame, Object, Pose, Sphere};
@@ -125,6 +125,6 @@ impl PlacedObject {
 
 /// A sphere of an object in world space: centre and radius.
 pub(crate) fn placed(sphere: &Sphere, pose: &Pose) -> (DVec3, f64) {
-    let center = pose.rotation.as_dquat() * (f64::from(pose.scale) * sphere.center.as_dvec3());
-    (center + pose.translation.as_dvec3(), f64::from(pose.scale * sphere.radius))
+    let (center, radius) = placed_spheres::placed(sphere, pose, pose.rotation.as_dquat());
+    (center, f64::from(radius))
 }
