@@ -20,12 +20,12 @@ pub struct Cli {
     /// Use this many threads instead of all.
     #[arg(long, global = true, value_name = "N", value_parser = thread_count)]
     pub threads: Option<usize>,
-    /// What to do.
+    /// The command.
     #[command(subcommand)]
     pub command: Command,
 }
 
-/// What to do.
+/// The command.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Run an experiment: score, time and picture every strategy on every scene.
@@ -157,7 +157,7 @@ pub struct SpheresArguments {
 /// Arguments of `list`.
 #[derive(Debug, Args)]
 pub struct ListArguments {
-    /// Of what.
+    /// Kind of thing to list.
     #[arg(value_enum)]
     pub what: ListChoice,
     /// For programs.
@@ -165,7 +165,7 @@ pub struct ListArguments {
     pub json: bool,
 }
 
-/// What can be listed.
+/// Kinds of things that can be listed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ListChoice {
     /// The strategies.

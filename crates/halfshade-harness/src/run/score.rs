@@ -21,7 +21,7 @@ pub(super) struct Scored {
     pub(super) shaded: Option<Shaded>,
 }
 
-/// What has shaded, and what came of it.
+/// A baked strategy that has shaded, and its radiance.
 pub(super) struct Shaded {
     pub(super) baked: Box<dyn Baked>,
     pub(super) radiance: RadianceBuffer,
