@@ -102,8 +102,8 @@ impl Cache {
         self.folder.as_deref()
     }
 
-    /// The data under `key`, read if there is a sound entry that `fits`, else computed by `compute` and stored. `fits` tells
-    /// whether data have the lengths and ranges that their users rely on; a checksum doesn't.
+    /// The data under `key`, read if there is a sound entry that `fits`, else computed by `compute` and stored. `fits`
+    /// tells whether data have the lengths and ranges that their users rely on; a checksum doesn't.
     ///
     /// # Errors
     /// Those of `compute` only.
@@ -142,8 +142,8 @@ impl Cache {
     }
 }
 
-/// Whether the file at `path` is an entry of a cache, by its name and its first bytes, or what is left of one that was never
-/// finished, by its name.
+/// Whether the file at `path` is an entry of a cache, by its name and its first bytes, or what is left of one that was
+/// never finished, by its name.
 pub fn is_entry(path: &Path) -> bool {
     let Some(name) = path.file_name().and_then(|name| name.to_str()) else { return false };
     let has_mark = || {
@@ -242,7 +242,7 @@ mod tests {
         }
     }
 
-    /// Its checksum is sound: it is what another program wrote.
+    /// An entry whose checksum is sound, but whose content another program wrote.
     #[test]
     fn an_entry_of_something_else_is_refused_and_repaired() {
         let folder = tempfile::tempdir().unwrap();

@@ -17,11 +17,12 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
-/// Rounds after which the iteration stops at the latest; a few dozen settle meshes of 10⁵ vertices.
+/// Rounds after which the iteration stops at the latest.
 const MAX_ROUNDS: usize = 100;
 /// The iteration stops when the sum of the radii improves by less than this fraction.
 const LEAST_IMPROVEMENT: f64 = 1e-4;
-/// So many rounds in a row without such an improvement, since the sum, unlike the largest radius, may rise in between.
+/// Rounds in a row without such an improvement before it stops, since the sum, unlike the largest radius, may rise in
+/// between.
 const PATIENCE: usize = 4;
 
 /// Points in groups.

@@ -6,8 +6,8 @@ use glam::{Quat, Vec3};
 
 /// The lobes of receivers of one frame, for radiance towards the eye of the scene's camera.
 ///
-/// A receiver shows the eye the lobes of its object's [`Reflectance`], with the receiver's own [`Gloss`]. Anisotropic lobes
-/// are about a tangent that turns with the object.
+/// A receiver shows the eye the lobes of its object's [`Reflectance`], with the receiver's own [`Gloss`]. Anisotropic
+/// lobes are about a tangent that turns with the object.
 #[derive(Debug, Clone)]
 pub struct EyeLobes {
     eye: Vec3,

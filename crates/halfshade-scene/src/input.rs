@@ -1,7 +1,7 @@
 //! Files that a scene is read from: whoever keeps a measurement keeps what it was made from.
 //!
 //! All reading of input goes through [`read`], which tells the content of each file to whoever asked for it with
-//! [`recorded`]. What is hashed is what was read: a file that changes in between is told as it was used.
+//! [`recorded`]. The bytes that were read are hashed: a file that changes in between is told as it was used.
 
 use serde::{Deserialize, Serialize};
 use std::{

@@ -14,8 +14,8 @@ pub const MAX_LOBES: usize = 4;
 /// c(v) = scale · max(axis · v, 0)^exponent          (· max(n · v, 0) if times_cosine)
 /// ```
 ///
-/// for directions v above the receiver's horizon, n · v > 0, and 0 below it. The unit is 1/steradian; nothing is left out,
-/// so that outgoing radiance is `∫ L(v) V(v) c(v) dv`. Where axis · v ≤ 0 the lobe is 0, also if the exponent is.
+/// for directions v above the receiver's horizon, n · v > 0, and 0 below it. The unit is 1/steradian; nothing is left
+/// out, so that outgoing radiance is `∫ L(v) V(v) c(v) dv`. Where axis · v ≤ 0 the lobe is 0, also if the exponent is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lobe {
     /// Unit vector in world space, pointing away from the surface for ordinary lobes.

@@ -5,8 +5,8 @@ use std::sync::OnceLock;
 /// The value in `cell`; if there is none yet, that which `compute` returns, which must be the same every time.
 ///
 /// `compute` may use the thread pool: nobody waits for it. [`OnceLock::get_or_init`] and `LazyLock` would hold a lock
-/// meanwhile, and a worker that awaits the others' part of the work takes up further tasks, which ask for the same value and
-/// wait for it forever. Who asks while it is being computed computes it too.
+/// meanwhile, and a worker that awaits the others' part of the work takes up further tasks, which ask for the same
+/// value and wait for it forever. A thread that asks while the value is being computed computes it too.
 pub fn once<T>(cell: &OnceLock<T>, compute: impl FnOnce() -> T) -> &T {
     if let Some(value) = cell.get() {
         return value;
@@ -22,7 +22,8 @@ mod tests {
     use std::thread;
     use std::time::Duration;
 
-    /// One worker, done with its half of the work, takes up a task that asks for the same value while the other half lasts.
+    /// One worker, done with its half of the work, takes up a task that asks for the same value while the other half
+    /// lasts.
     fn ask_while_computing() -> u32 {
         let (cell, halves, asked) = (OnceLock::new(), Barrier::new(2), OnceLock::new());
         let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("two threads");

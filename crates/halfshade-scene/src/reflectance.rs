@@ -22,16 +22,16 @@ pub enum Reflectance {
     /// Nothing: a diffuse surface.
     #[default]
     Lambert,
-    /// `specular · max(r·v, 0)^exponent`: the original model without any cosine \[Phong1975\], as [Meunier2009, eq. 24] uses it
-    /// (whose k_d is albedo/π). It conserves no energy and isn't reciprocal.
+    /// `specular · max(r·v, 0)^exponent`: the original model without any cosine \[Phong1975\], as [Meunier2009, eq. 24]
+    /// uses it (whose k_d is albedo/π). It conserves no energy and isn't reciprocal.
     Phong {
         /// k_s, per channel, 0 to [`MAX_SCALE`].
         specular: Vec3,
         /// e_s, 0 to [`MAX_EXPONENT`].
         exponent: f32,
     },
-    /// `specular · (e + 2)/(2π) · max(r·v, 0)^e · max(n·v, 0)`: the modified model \[Lewis1994\]. A surface whose albedo and
-    /// specular add up to at most 1 reflects no more than it receives.
+    /// `specular · (e + 2)/(2π) · max(r·v, 0)^e · max(n·v, 0)`: the modified model \[Lewis1994\]. A surface whose
+    /// albedo and specular add up to at most 1 reflects no more than it receives.
     ModifiedPhong {
         /// Reflected fraction where r = n, per channel; with the albedo at most 1.
         specular: Vec3,

@@ -1,14 +1,14 @@
 //! Deforming meshes: linear blend skinning by a skeleton.
 //!
-//! Every joint carries its surroundings along, from where they are at rest to where the joint takes them; a vertex goes to
-//! the weighted mean of where its joints would take it:
+//! Every joint carries its surroundings along, from where they are at rest to where the joint takes them; a vertex goes
+//! to the weighted mean of where its joints would take it:
 //!
 //! ```text
 //! p(t) = Σ_j w_j M_j(t) p        M_j(t) = object_from_joint_j(t) · joint_j_from_object(at rest)        Σ_j w_j = 1
 //! ```
 //!
-//! Normals are turned by the cofactors of the blended matrix, which keep them upright to the deformed surface as far as the
-//! weights are locally constant: the usual approximation.
+//! Normals are turned by the cofactors of the blended matrix, which keep them upright to the deformed surface as far as
+//! the weights are locally constant: the usual approximation.
 
 use crate::morph::morphed;
 use crate::{Deformed, Mesh, MorphTarget, Motion, Pose};

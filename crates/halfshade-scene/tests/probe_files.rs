@@ -1,5 +1,5 @@
-//! Light probes as others write them: pictures of known values, written by OpenEXR's own library (3.5) and by hand, and the
-//! same pictures damaged at random.
+//! Light probes as others write them: pictures of known values, written by OpenEXR's own library (3.5) and by hand, and
+//! the same pictures damaged at random.
 
 use glam::Vec3;
 use halfshade_scene::light::{EnvironmentMap, ProbeOptions, Projection, load_probe};

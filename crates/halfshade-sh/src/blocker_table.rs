@@ -1,6 +1,6 @@
 //! Tables of blocker and log-blocker zonal vectors by angular radius, for the f32 kernels.
 //!
-//! The variable is `u = 1 - cos θ` in (0, 1], proportional to the solid angle. What is stored is the vector divided by
+//! The variable is `u = 1 - cos θ` in (0, 1], proportional to the solid angle. Stored is the vector divided by
 //! `sin²θ = u(2 - u)`, which is smooth and has a finite limit at u = 0: so a tiny blocker's lookup is right to first
 //! order however coarse the table, and goes to exactly 0 with the blocker. The receiver's side gives `sin²θ = r²/d²`,
 //! from which `u = 1 - sqrt(1 - sin²θ)`, without any inverse trigonometric function; what cancels there only moves the

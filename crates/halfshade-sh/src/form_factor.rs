@@ -30,8 +30,8 @@ pub enum Weighting {
     SolidAngle,
 }
 
-/// `f_l` for `bands` bands and a sphere of `sin_radius` = sin θ in [0, 1]. `f_0` is 1; all are 1 where the receiver touches
-/// the sphere.
+/// `f_l` for `bands` bands and a sphere of `sin_radius` = sin θ in [0, 1]. `f_0` is 1; all are 1 where the receiver
+/// touches the sphere.
 ///
 /// Gauss-Legendre quadrature over the receiver's directions; error below 1e-9.
 pub fn form_factor(bands: usize, sin_radius: f64, weighting: Weighting) -> Vec<f64> {

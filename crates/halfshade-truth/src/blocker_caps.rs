@@ -62,8 +62,8 @@ impl BlockerCaps {
         })
     }
 
-    /// Sets the visibility of every sample in use: blocked if any cap holds its direction, and its sphere begins before the
-    /// ray ends. All samples against one sphere at a time: no branches, whole vector registers.
+    /// Sets the visibility of every sample in use: blocked if any cap holds its direction, and its sphere begins before
+    /// the ray ends. All samples against one sphere at a time: no branches, whole vector registers.
     pub(crate) fn trace(&self, batch: &mut Batch) {
         let whole = batch.len.next_multiple_of(LANES).min(BATCH);
         let [x, y, z] = batch.direction.each_ref().map(|axis| &axis[..whole]);
@@ -108,7 +108,8 @@ impl Cone {
     fn meets(&self, cap: &BlockerCap) -> bool {
         let cap_cosine = (1.0 - cap.sine_squared).max(0.0).sqrt();
         let sines = (cap.sine_squared * (1.0 - self.cosine * self.cosine).max(0.0)).sqrt();
-        // Cosine of the sum of both angles, where that is less than a straight one; in front of the cap, wider never misses.
+        // Cosine of the sum of both angles, where that is less than a straight one; in front of the cap, wider never
+        // misses.
         self.cosine <= -cap_cosine || self.axis.dot(cap.axis.into()) >= self.cosine * cap_cosine - sines - 1e-5
     }
 }

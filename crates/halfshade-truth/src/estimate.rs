@@ -1,7 +1,7 @@
 //! The estimator: direct light at receivers, with a standard error for every value.
 //!
-//! `L = albedo/π · ∫ L_in(ω) V(ω) max(n·ω, 0) dω` is a sum of integrals over lights (see [`crate::lights`]); a glossy receiver
-//! adds those over its lobes (see [`crate::glossy`]).
+//! `L = albedo/π · ∫ L_in(ω) V(ω) max(n·ω, 0) dω` is a sum of integrals over lights (see [`crate::lights`]); a glossy
+//! receiver adds those over its lobes (see [`crate::glossy`]).
 //!
 //! **Standard error.** Low-discrepancy points are not independent, so the spread of samples says nothing about the error
 //! of their mean. Every estimate is therefore the mean of [`REPLICATES`] independently scrambled estimates, and its
@@ -12,9 +12,9 @@
 //! mean square over receivers is right, single values exceed three standard errors several times as often as normal ones.
 //! Channels of one receiver share their rays and err together; receivers are independent.
 //!
-//! **Draws of the noise.** Whoever needs more than a standard error gets [`DRAWS`] contrasts of the sixteen estimates, sums
-//! with as many plus as minus signs over sixteen: each has the variance of the mean's error, its tails and its correlation
-//! between channels, and is uncorrelated with the mean and with the other contrasts.
+//! **Draws of the noise.** Whoever needs more than a standard error gets [`DRAWS`] contrasts of the sixteen estimates,
+//! sums with as many plus as minus signs over sixteen: each has the variance of the mean's error, its tails and its
+//! correlation between channels, and is uncorrelated with the mean and with the other contrasts.
 //!
 //! **Control variate.** Unshadowed irradiance E is known, so what is estimated is
 //! `mean(f V) + β (E - mean(f))`: where little is blocked, the noise of the light itself cancels. β is the fraction of
@@ -81,10 +81,10 @@ impl Estimate {
 
 /// Estimates the outgoing radiance of `receivers`.
 ///
-/// The hemisphere is that of the receiver's shading normal. Rays start a few units in the last place of the receiver's own
-/// coordinates above the surface; directions that lie above the shading normal's horizon and below the mesh's own faces are blocked where the
-/// mesh blocks them, as they would be by the real surface. Local lights emit and block nothing. A receiver
-/// whose position or normal is not finite gets radiance 0.
+/// The hemisphere is that of the receiver's shading normal. Rays start a few units in the last place of the receiver's
+/// own coordinates above the surface; directions that lie above the shading normal's horizon and below the mesh's own
+/// faces are blocked where the mesh blocks them, as they would be by the real surface. Local lights emit and block
+/// nothing. A receiver whose position or normal is not finite gets radiance 0.
 pub fn estimate(tracer: &Tracer, receivers: Receivers<'_>, options: &Options, progress: &dyn Progress) -> Estimate {
     let limit = options.max_samples.clamp(REPLICATES, MAX_SAMPLES);
     let mut points = options.samples.clamp(1, MAX_SAMPLES).div_ceil(REPLICATES);
@@ -193,8 +193,8 @@ impl Parts {
         (mean, variance.max(DVec3::ZERO).map(f64::sqrt))
     }
 
-    /// Contrasts of the replicates by the rows of a Hadamard matrix. What the spread can't show goes up or down in all
-    /// channels alike: a sample that is blocked takes all of them.
+    /// Contrasts of the replicates by the rows of a Hadamard matrix. Error that the spread can't show goes up or down in
+    /// all channels alike: a sample that is blocked takes all of them.
     fn draws(&self) -> [DVec3; DRAWS] {
         let floor = self.floor_squared.map(f64::sqrt);
         std::array::from_fn(|draw| {

@@ -4,10 +4,10 @@
 //! L = Σ over lights ∫ L_in(v) V(v) c(v) dv        c: the sum of the receiver's lobes towards the eye
 //! ```
 //!
-//! Every light is sampled twice, with equally many directions: where it shines (its map's radiance, its cap) and where the
-//! receiver reflects ([`Mixture`]), combined with the balance heuristic \[Veach1995\]. A narrow lobe in a wide light and a
-//! small light in a wide lobe are both found, and no sample outweighs the rest: `c/density` is bounded by the lobes'
-//! integrals, `L_in/density` by the light's. Light that is all around is only sampled by reflectance.
+//! Every light is sampled twice, with equally many directions: where it shines (its map's radiance, its cap) and where
+//! the receiver reflects ([`Mixture`]), combined with the balance heuristic \[Veach1995\]. A narrow lobe in a wide
+//! light and a small light in a wide lobe are both found, and no sample outweighs the rest: `c/density` is bounded by
+//! the lobes' integrals, `L_in/density` by the light's. Light that is all around is only sampled by reflectance.
 //!
 //! The unshadowed value has no closed form that would serve as control variate; it is the mean of the same samples with
 //! visibility 1.
@@ -45,8 +45,8 @@ impl<'a> GlossyIntegral<'a> {
         Self { source: tracer.lights.source(integral, receiver, &tracer.space), mixture }
     }
 
-    /// Draws samples for at most one batch of points: values are radiance times reflectance over the densities' sum. `false`
-    /// if this technique isn't taken.
+    /// Draws samples for at most one batch of points: values are radiance times reflectance over the densities' sum.
+    /// `false` if this technique isn't taken.
     pub(crate) fn sample(
         &self,
         technique: GlossyTechnique,

@@ -1,10 +1,10 @@
 //! Hiders of the light at a receiver: its own object, another one, the ground, or nothing.
 //!
-//! Sample rays carry shares of the unshadowed irradiance, radiance times cosine over density as luminance, from all lights
-//! together. The share of a blocked ray goes to the object that the ray meets first: to the receiver's *own* object; to
-//! the *ground*, which is any object without spheres; or to an*other* object. The class with the largest share hides the
-//! light there, the first named of equal ones. Where all of them together hide less than [`LEAST_SHARE`] it is *nothing*,
-//! as it is where no light arrives unshadowed.
+//! Sample rays carry shares of the unshadowed irradiance, radiance times cosine over density as luminance, from all
+//! lights together. The share of a blocked ray goes to the object that the ray meets first: to the receiver's *own*
+//! object; to the *ground*, which is any object without spheres; or to an*other* object. The class with the largest
+//! share hides the light there, the first named of equal ones. Where all of them together hide less than
+//! [`LEAST_SHARE`] it is *nothing*, as it is where no light arrives unshadowed.
 //!
 //! 64 rays per receiver and technique, each traced to its first hit: a class is as certain as 64 samples make it. The
 //! reflectance of the receiver plays no part, nor does light that other surfaces reflect.

@@ -7,9 +7,9 @@
 //! ```
 //!
 //! and, if asked for, the light that surfaces reflect b times on its way (see `paths.rs`), in the units of the scene's
-//! radiance, one value and one standard error per receiver and channel. Glossy receivers add the same integrals over their
-//! lobes towards the eye ([`halfshade_scene::EyeLobes`], see `glossy.rs`). This crate shares no
-//! code with the strategies that it judges: a shared mistake would cancel out in the score.
+//! radiance, one value and one standard error per receiver and channel. Glossy receivers add the same integrals over
+//! their lobes towards the eye ([`halfshade_scene::EyeLobes`], see `glossy.rs`). This crate shares no code with the
+//! strategies that it judges: a shared mistake would cancel out in the score.
 //!
 //! - **Geometry**: the meshes, all of them, both faces; or the sphere sets, each sphere adjusted to the receiver.
 //!   Their difference is the geometry error.

@@ -27,8 +27,8 @@ pub enum Transport {
     /// Direct light with shadows.
     #[default]
     Shadowed,
-    /// The same integrals with visibility 1: closed forms and deterministic quadrature, no samples, no standard error. Those
-    /// over the lobes of glossy receivers are sampled.
+    /// The same integrals with visibility 1: closed forms and deterministic quadrature, no samples, no standard error.
+    /// Those over the lobes of glossy receivers are sampled.
     Unshadowed,
 }
 
@@ -40,8 +40,9 @@ pub struct Options {
     /// Whether anything blocks.
     pub transport: Transport,
     /// Samples per receiver and technique (one technique for constant light, two for a map, one more for a sun and for
-    /// each local light, two for a local light that is wide; at most two more for each light at glossy receivers). Rounded up to a multiple of [`REPLICATES`]; powers of two
-    /// from 64 on use the points best. At most [`MAX_SAMPLES`]. With a noise target, where to start.
+    /// each local light, two for a local light that is wide; at most two more for each light at glossy receivers).
+    /// Rounded up to a multiple of [`REPLICATES`]; powers of two from 64 on use the points best. At most
+    /// [`MAX_SAMPLES`]. With a noise target, where to start.
     pub samples: usize,
     /// Go on until [`crate::Estimate::relative_rms_standard_error`] is at most this, or `max_samples` are used up.
     pub noise_target: Option<f64>,

@@ -5,16 +5,16 @@
 //! ```
 //!
 //! A path leaves the receiver along a direction drawn with the density cos θ/π and goes on in the same way from what it
-//! hits, `bounces` times. At every hit, direct light E is estimated with one sample of each technique of each light. There
-//! is no Russian roulette: b bounces are b bounces. Every depth and technique has a scrambling of its own, and visits the
-//! points in an order of its own: scramblings of one point share its binary subdivisions, and paths that took the k-th
-//! point everywhere would leave most combinations out.
+//! hits, `bounces` times. At every hit, direct light E is estimated with one sample of each technique of each light.
+//! There is no Russian roulette: b bounces are b bounces. Every depth and technique has a scrambling of its own, and
+//! visits the points in an order of its own: scramblings of one point share its binary subdivisions, and paths that
+//! took the k-th point everywhere would leave most combinations out.
 //!
 //! A path goes on from a glossy surface along a direction that all of its lobes draw, the diffuse one among them, and
 //! carries reflectance over density; direct light there is sampled by light and by reflectance (see `glossy.rs`).
 //!
-//! Both faces of a triangle reflect, as both block. On a sphere the albedo is that of the vertex of the object's mesh that
-//! is nearest to the point, from a table over directions.
+//! Both faces of a triangle reflect, as both block. On a sphere the albedo is that of the vertex of the object's mesh
+//! that is nearest to the point, from a table over directions.
 
 use crate::{
     batch::Batch,

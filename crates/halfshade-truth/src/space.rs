@@ -2,12 +2,12 @@
 
 use glam::{DVec3, Vec3, Vec3A};
 
-/// No coordinate of a scene's box lies farther from its middle, in tracing space. obvhs drops what lies nearer than 1e-4 to
-/// a ray's origin (fixed in its nodes): at this size that is 1e-13 of half the extent, below every offset here.
+/// No coordinate of a scene's box lies farther from its middle, in tracing space. obvhs drops what lies nearer than
+/// 1e-4 to a ray's origin (fixed in its nodes): at this size that is 1e-13 of half the extent, below every offset here.
 const HALF_EXTENT: f64 = (1_u64 << 30) as f64;
 
-/// Largest distance of a receiver's coordinate from its surface, as a part of the coordinate: eight times half a unit in the
-/// last place. Rounding of the receiver and that of the ray's origin take one each.
+/// Largest distance of a receiver's coordinate from its surface, as a part of the coordinate: eight times half a unit
+/// in the last place. Rounding of the receiver and that of the ray's origin take one each.
 const ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
 
 /// Added to that: receivers at coordinate 0 are exact, but the distance to a plane is found in double precision
@@ -20,8 +20,8 @@ const LEAST_EXTENT: f64 = 1.0 / (1_u64 << 32) as f64;
 
 /// A uniform scale and a shift between world space and tracing space. Directions are the same in both.
 ///
-/// The scale is a power of two, and an axis is shifted only where that costs no digit: single-precision coordinates of the
-/// scene are the same numbers in both spaces, however large the scene is beside its details.
+/// The scale is a power of two, and an axis is shifted only where that costs no digit: single-precision coordinates of
+/// the scene are the same numbers in both spaces, however large the scene is beside its details.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct TracingSpace {
     center_in_world: DVec3,
@@ -72,9 +72,9 @@ impl TracingSpace {
     /// By how much the box around points of the world, `min` to `max`, grows on every side, in tracing space, so that
     /// rounding in the slab test loses no triangle.
     ///
-    /// A few units in the last place of the largest coordinate, but no more than a part of the box itself: rays that start so
-    /// far away that this is too little see it under a ten-millionth of a radian. And no less than receivers on the
-    /// triangle may lie beside it.
+    /// A few units in the last place of the largest coordinate, but no more than a part of the box itself: rays that
+    /// start so far away that this is too little see it under a ten-millionth of a radian. And no less than receivers
+    /// on the triangle may lie beside it.
     pub(crate) fn padding(&self, min: Vec3, max: Vec3) -> Vec3A {
         let size = self.length(f64::from((max - min).max_element()));
         let slabs = (4.0 * f64::from(f32::EPSILON) * HALF_EXTENT).min(size / 32.0);
@@ -83,14 +83,15 @@ impl TracingSpace {
 
     /// Distance of a receiver from its surface along each axis, at most, in tracing space.
     ///
-    /// Vertices are exact. Points between them were rounded to single precision in the world, and the origins of their rays
-    /// once more. Nothing here knows the size of the scene: an object on a large ground shades it as on a small one.
+    /// Vertices are exact. Points between them were rounded to single precision in the world, and the origins of their
+    /// rays once more. Nothing here knows the size of the scene: an object on a large ground shades it as on a small
+    /// one.
     pub(crate) fn rounding(&self, point_in_world: Vec3) -> DVec3 {
         self.length(ROUNDING) * point_in_world.abs().as_dvec3() + LEAST_ROUNDING
     }
 
-    /// The radius around the origin of tracing space within which the scene lies, with some room: no coordinate exceeds three
-    /// half extents.
+    /// The radius around the origin of tracing space within which the scene lies, with some room: no coordinate exceeds
+    /// three half extents.
     pub(crate) fn bounding_radius() -> f64 {
         5.25 * HALF_EXTENT
     }

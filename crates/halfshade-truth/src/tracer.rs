@@ -33,9 +33,9 @@ pub struct Hit {
 
 /// One frame of a scene, ready for rays: the triangles of all objects in one hierarchy, the spheres, and the light.
 ///
-/// Every mesh blocks, that of objects that only receive too; both faces of a triangle do, but for the holes that alpha masks
-/// cut. Vertices stand
-/// where [`ReceiverBuffer::vertices`] puts them, so that receivers lie on the triangles to the last bit.
+/// Every mesh blocks, that of objects that only receive too; both faces of a triangle do, but for the holes that alpha
+/// masks cut. Vertices stand where [`ReceiverBuffer::vertices`] puts them, so that receivers lie on the triangles to
+/// the last bit.
 #[derive(Debug)]
 pub struct Tracer {
     pub(crate) space: TracingSpace,

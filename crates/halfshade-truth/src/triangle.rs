@@ -6,15 +6,15 @@
 //! vertex. Signs that single precision leaves in doubt are found in double precision, so that the corner between
 //! triangles many orders of magnitude larger than what stands in it is closed too.
 //!
-//! Where a ray crosses the plane of a triangle is found in double precision: the distance to a large ground close by is the
-//! difference of large numbers.
+//! Where a ray crosses the plane of a triangle is found in double precision: the distance to a large ground close by is
+//! the difference of large numbers.
 //!
 //! Laid out by axis instead of by vertex, the three vertices are sheared at once in one vector register.
 
 use glam::{DVec3, Vec3A, Vec3Swizzles};
 
-/// How far rounding may move an edge function, in units of the products that [`Triangle::is_crossed`] adds up: 14 halves of a
-/// unit in the last place, rounded up.
+/// How far rounding may move an edge function, in units of the products that [`Triangle::is_crossed`] adds up: 14
+/// halves of a unit in the last place, rounded up.
 const EDGE_ROUNDING: f32 = 8.0 * f32::EPSILON;
 
 /// How far behind its origin a ray meets what faces it, in lengths of its slack.
@@ -89,14 +89,15 @@ impl ShearedRay {
         }
     }
 
-    /// The same ray, started anywhere within `slack` (along each axis) of a triangle: it meets those that face it up to that
-    /// far behind its origin, and doesn't meet those that face away until that far ahead, as measured along their normals.
+    /// The same ray, started anywhere within `slack` (along each axis) of a triangle: it meets those that face it up to
+    /// that far behind its origin, and doesn't meet those that face away until that far ahead, as measured along their
+    /// normals.
     ///
     /// A receiver at the foot of a wall lies in the plane of the ground: rays that start there and go down cross the
     /// ground at distance 0 and must not escape below, while those that go up must not be blocked by it.
     ///
-    /// Origins are lifted by twice their slack. What lies farther behind than half of that, along the normal, may be below
-    /// the surface on which the ray starts: at an edge it would meet the side that it has just left.
+    /// Origins are lifted by twice their slack. Triangles farther behind than half of that, along the normal, may be
+    /// below the surface on which the ray starts: at an edge it would meet the side that it has just left.
     #[inline(always)]
     pub(crate) fn with_slack(self, slack: Slack) -> Self {
         let off = slack.normal.abs().dot(slack.along);

@@ -1,7 +1,7 @@
 //! A sphere whose gloss varies from vertex to vertex, under one spherical light, without blockers.
 //!
-//! After [Meunier2009, figure 14]: 65,536 shaded points, Lafortune lobes with spatially varying parameters, what reflectance
-//! costs when visibility costs nothing. The pattern and the numbers are our own.
+//! After [Meunier2009, figure 14]: 65,536 shaded points, Lafortune lobes with spatially varying parameters, what
+//! reflectance costs when visibility costs nothing. The pattern and the numbers are our own.
 
 use crate::{
     Camera, Environment, Gloss, GlossVariation, LafortuneLobe, Material, Mesh, Motion, Object, Pose, Reflectance,
@@ -80,8 +80,8 @@ fn mesh() -> Mesh {
     Mesh { positions, normals, triangles, ..Mesh::default() }
 }
 
-/// Exponents that fall to a fiftieth and come back seven times around the sphere, on waves of strong and faint gloss. What an
-/// exponent takes from a highlight's height it gives to its width: scales go with (e + 2).
+/// Exponents that fall to a fiftieth and come back seven times around the sphere, on waves of strong and faint gloss.
+/// An exponent makes highlights as much wider as it makes them lower: scales go with (e + 2).
 fn pattern() -> Vec<Gloss> {
     let [sharp, dull] = EXPONENTS;
     angles()

@@ -1,7 +1,7 @@
 //! A squirrel that rises from a plane under one spherical light.
 //!
-//! After [Meunier2009, figure 17], which shows a rabbit at three heights: 16,384 points on the plane, 64 blocker spheres. The
-//! shadow softens and fades with the height. Every frame is a height, equally far from the one before.
+//! After [Meunier2009, figure 17], which shows a rabbit at three heights: 16,384 points on the plane, 64 blocker
+//! spheres. The shadow softens and fades with the height. Every frame is a height, equally far from the one before.
 
 use super::choreography::{DURATION_SECS, FRAME_COUNT, FRAMES_PER_SEC, keyframes};
 use super::{shapes, squirrel_and_balls};

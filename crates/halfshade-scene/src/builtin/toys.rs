@@ -1,4 +1,5 @@
-//! Objects that fall in heaps: their meshes, about the origin or standing on y = 0, and the convex pieces they collide as.
+//! Objects that fall in heaps: their meshes, about the origin or standing on y = 0, and the convex pieces they collide
+//! as.
 
 use super::implicit::{Body, smooth_path};
 use super::physics::Piece;

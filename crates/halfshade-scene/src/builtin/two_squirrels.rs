@@ -1,8 +1,8 @@
 //! Two squirrels of chocolate in an open box under one spherical light.
 //!
-//! After [Meunier2009, figure 18], which shows two rabbits in a green box: 480,000 shaded points, which are the pixels of
-//! this camera, 1,024 blocker spheres, and two lobes of reflectance everywhere. The box has a floor and three walls; its front
-//! and top are open. The light hangs within, so that the walls hide nothing.
+//! After [Meunier2009, figure 18], which shows two rabbits in a green box: 480,000 shaded points, which are the pixels
+//! of this camera, 1,024 blocker spheres, and two lobes of reflectance everywhere. The box has a floor and three walls;
+//! its front and top are open. The light hangs within, so that the walls hide nothing.
 
 use super::choreography::{FRAME_COUNT, FRAMES_PER_SEC, keyframes, upright, wave};
 use super::{shapes, squirrel_and_balls};

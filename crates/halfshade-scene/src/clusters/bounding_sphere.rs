@@ -8,10 +8,10 @@ const TOLERANCE: f64 = 1e-13;
 
 /// The centre and radius of the smallest sphere that contains all `points` (finite); radius 0 for one point or none.
 ///
-/// The move-to-front recursion of \[Welzl1991\] on a short list of candidates, to which the point farthest outside is added until none
-/// is outside (the pivoting of \[Gaertner1999\]). The centre is that of the exact
-/// smallest sphere up to rounding, and the radius is the distance of the farthest point from it, so that rounding leaves
-/// no point outside. A few passes over the points, whatever their order.
+/// The move-to-front recursion of \[Welzl1991\] on a short list of candidates, to which the point farthest outside is
+/// added until none is outside (the pivoting of \[Gaertner1999\]). The centre is that of the exact smallest sphere up
+/// to rounding, and the radius is the distance of the farthest point from it, so that rounding leaves no point outside.
+/// A few passes over the points, whatever their order.
 pub fn bounding_sphere(points: &[DVec3]) -> (DVec3, f64) {
     let Some(&first) = points.first() else { return (DVec3::ZERO, 0.0) };
     let mut candidates = vec![first];

@@ -33,7 +33,8 @@ impl<'a> Source<'a> {
         SceneError::new(problem).in_file(self.path).at_line(line)
     }
 
-    /// The error of a file that the scene names: about that file; where it can't be read at all, where it is named as well.
+    /// The error of a file that the scene names: about that file; where it can't be read at all, where it is named as
+    /// well.
     pub(super) fn named_at(&self, name: &Spanned<String>, error: SceneError) -> SceneError {
         let is_missing = error.path.as_ref().is_some_and(|path| !path.is_file());
         if is_missing { self.error(name.span(), error.to_string()) } else { error }

@@ -64,10 +64,10 @@ impl ProbeOptions {
 /// Reads a light probe, Radiance HDR or OpenEXR, as linear Rec. 709 radiance, with what the user should know of it.
 ///
 /// A latitude-longitude map is turned by whole columns exactly, and by parts of a column by sharing texels between two
-/// neighbours, which keeps every row's mean. What an HDR file says it was multiplied by (EXPOSURE, COLORCORR) is divided
-/// out. Other primaries (PRIMARIES, XYZE, OpenEXR's chromaticities) are converted, white to white; channels that fall
-/// below 0, of colours that Rec. 709 can't show, become 0. An OpenEXR file's picture is its display window, black where its
-/// data window doesn't reach.
+/// neighbours, which keeps every row's mean. Factors by which an HDR file was multiplied (EXPOSURE, COLORCORR) are
+/// divided out. Other primaries (PRIMARIES, XYZE, OpenEXR's chromaticities) are converted, white to white; channels
+/// that fall below 0, of colours that Rec. 709 can't show, become 0. An OpenEXR file's picture is its display window,
+/// black where its data window doesn't reach.
 ///
 /// Without [`ProbeOptions::clamp`], radiances that aren't finite are errors, and so are negative ones beyond a hundredth
 /// of the mean luminance; smaller ones are set to 0.
@@ -123,8 +123,8 @@ fn check_shape(image: &Image, projection: Projection) -> Result<(), SceneError> 
     }))
 }
 
-/// Makes radiance in Rec. 709 of what the file holds, or says what is none. Of an angular map only the disc counts.
-/// Returns what the user should know.
+/// Makes radiance in Rec. 709 of what the file holds, or says what is none. Only the disc of an angular map counts.
+/// Returns notes for the user.
 fn to_radiance(
     image: &mut Image,
     projection: Projection,

@@ -21,8 +21,8 @@ impl SphereLight {
         Self { center: pose.transform_point(self.center), radius: pose.scale * self.radius, ..*self }
     }
 
-    /// Irradiance at `position` on a surface of unit `normal` if nothing blocks: exact, cut by the horizon. A point inside
-    /// the light sees it all around.
+    /// Irradiance at `position` on a surface of unit `normal` if nothing blocks: exact, cut by the horizon. A point
+    /// inside the light sees it all around.
     pub fn irradiance(&self, position: Vec3, normal: Vec3) -> Vec3 {
         let offset = (self.center - position).as_dvec3();
         let (distance, radius) = (offset.length(), f64::from(self.radius));

@@ -41,10 +41,10 @@ const ROUNDING: f32 = 1e-3;
 impl FileColors {
     /// Linear colours in [0, 1], white where there is none, and what people should know.
     ///
-    /// Whole numbers are sRGB with 255 for white, floating-point numbers linear with 1 for white, unless `told` otherwise.
-    /// Numbers of wider types up to 255, and floating-point ones from above 2 to 255, are taken for such of 8 bits, since a
-    /// mesh all but black, or lit from within, is unlikely; whole numbers beyond, up to 65535, are of 16 bits.
-    /// The error is that of the vertex at `place`.
+    /// Whole numbers are sRGB with 255 for white, floating-point numbers linear with 1 for white, unless `told`
+    /// otherwise. Numbers of wider types up to 255, and floating-point ones from above 2 to 255, are taken for such of
+    /// 8 bits, since a mesh all but black, or lit from within, is unlikely; whole numbers beyond, up to 65535, are of
+    /// 16 bits. The error is that of the vertex at `place`.
     pub(super) fn linear(
         &self,
         told: Option<ColorEncoding>,

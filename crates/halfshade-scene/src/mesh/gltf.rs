@@ -5,7 +5,7 @@
 //!
 //! Read are triangles, strips and fans with their node's place, copies of them (EXT_mesh_gpu_instancing), skins, morph
 //! targets, base colour and alpha masks. A skinned mesh stands where its joints put it; the place of the node that holds
-//! it doesn't count. Without normals each triangle is flat. What else there is, is told in notes.
+//! it doesn't count. Without normals each triangle is flat. Notes tell of anything else.
 
 mod accessor;
 mod buffers;

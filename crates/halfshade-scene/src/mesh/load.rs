@@ -10,12 +10,12 @@ pub const EXTENSIONS: &[&str] = &["obj", "ply", "gltf", "glb"];
 
 /// Reads a mesh file: OBJ, PLY (ASCII, binary of both byte orders), glTF or GLB, by extension.
 ///
-/// All objects of the file become one mesh. Polygons are cut into triangles that keep their area. The mesh
-/// is repaired as [`super::repaired`] says, unused vertices go, and vertices equal in everything become one. Normals are
-/// the file's, made unit length; where a file has none or has useless ones, [`super::smooth_normals`] fill in, except that
-/// a glTF's primitives without normals are flat. Of materials a glTF's base colour is read, factor and texture, and what
-/// alpha masks cut out; an OBJ's material library is not. A glTF's meshes stand where nodes or, if they have skins, joints
-/// put them, with the morph targets' weights that the document gives.
+/// All objects of the file become one mesh. Polygons are cut into triangles that keep their area. The mesh is repaired
+/// as [`super::repaired`] says, unused vertices go, and vertices equal in everything become one. Normals are the
+/// file's, made unit length; where a file has none or has useless ones, [`super::smooth_normals`] fill in, except that
+/// a glTF's primitives without normals are flat. The base colour of a glTF's materials is read, factor and texture, and
+/// alpha masks are cut out; an OBJ's material library is not read. A glTF's meshes stand where nodes or, if they have
+/// skins, joints put them, with the morph targets' weights that the document gives.
 ///
 /// Nothing is returned of a file that is damaged anywhere: no part of a mesh passes for the whole.
 pub fn load(path: &Path) -> Result<Mesh, SceneError> {
@@ -63,8 +63,8 @@ fn check_extension(path: &Path) -> Result<(), SceneError> {
 /// Reads a glTF or GLB file with the skins and morph targets of its meshes, deformed by one of its animations.
 ///
 /// The mesh is as [`load`] says, except that what has a skin stands where the skin's first joint puts it at rest: glTF
-/// ignores the place of the node that holds it. Of more than four joints of a vertex those with the largest weights
-/// count, and weights are made to add up to 1. Channels move nodes by translation, rotation and uniform scale, and weights
+/// ignores the place of the node that holds it. The four joints of a vertex with the largest weights count, and weights
+/// are made to add up to 1. Channels move nodes by translation, rotation and uniform scale, and weights
 /// of morph targets; splines are sampled, 240 times per second or 64 times between two keys, whichever is fewer. Scales
 /// that aren't uniform are errors.
 ///

@@ -1,9 +1,9 @@
 //! Wavefront OBJ.
 //!
 //! Geometry is read: positions (`v`, with colours where a line has six numbers), normals, texture coordinates and faces.
-//! Names, groups, materials and hints for display are passed over. What else the format has, points, lines and free-form
-//! surfaces among it, is left out with a note, and a line that nothing is known of is an error if it has any digit:
-//! it may be geometry in disguise. Texture coordinates count only where every corner has some.
+//! Names, groups, materials and hints for display are passed over. Other elements of the format, points, lines and
+//! free-form surfaces among them, are left out with a note. An unknown line is an error if it has any digit: it may be
+//! geometry in disguise. Texture coordinates count only where every corner has some.
 
 use super::assemble::{LARGEST_COORDINATE, RawMesh};
 use super::colors::{ColorEncoding, ColorNumbers, FileColors};

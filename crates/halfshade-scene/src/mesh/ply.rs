@@ -1,8 +1,8 @@
 //! Stanford PLY, ASCII and binary of both byte orders.
 //!
-//! Vertices, faces and triangle strips are read, in any order; other elements are left out with a note. Of vertices:
-//! positions, normals, colours, texture coordinates; of faces: texture coordinates of corners, which win over those of
-//! vertices if all corners have some.
+//! Vertices, faces and triangle strips are read, in any order; other elements are left out with a note. Vertices have
+//! positions, normals, colours and texture coordinates. Faces have texture coordinates of corners, which win over those
+//! of vertices if all corners have some.
 
 mod faces;
 mod header;

@@ -4,7 +4,8 @@ use super::doubled_area_vector;
 use earcut::Earcut;
 use glam::{DVec3, Vec3};
 
-/// Change of a polygon's area by cutting that is allowed, as a fraction of it: coordinates in f32 aren't quite in a plane.
+/// Change of a polygon's area by cutting that is allowed, as a fraction of it: coordinates in f32 aren't quite in a
+/// plane.
 const AREA_TOLERANCE: f64 = 1e-6;
 
 /// More corners than the ear cutter can count; such a polygon is cut as a fan.

@@ -132,8 +132,8 @@ fn is_blank(byte: u8) -> bool {
     matches!(byte, 1..=b' ') && !ends_line(byte)
 }
 
-/// A number, decimal, as C and most languages print it. What C libraries print where there is none, such as `-nan(ind)`
-/// or `1.#IND`, is NaN.
+/// A number, decimal, as C and most languages print it. Words that C libraries print where there is none, such as
+/// `-nan(ind)` or `1.#IND`, are NaN.
 pub(super) fn number<T: FromStr + From<f32>>(word: &[u8]) -> Option<T> {
     if let Some(number) = std::str::from_utf8(word).ok().and_then(|text| text.parse().ok()) {
         return Some(number);

@@ -1,8 +1,8 @@
 //! Bounding of a triangle mesh by spheres: decided on the triangles, not on samples.
 //!
 //! A sphere is convex, so that a triangle whose corners lie in one sphere lies in it wholly. A triangle that lies in no
-//! single sphere is cut in two at the middle of its longest edge, until that edge is below a tolerance; such a leaf counts
-//! as covered only if one sphere holds it wholly. The answer errs on the safe side: a set that is said to bound
+//! single sphere is cut in two at the middle of its longest edge, until that edge is below a tolerance; such a leaf
+//! counts as covered only if one sphere holds it wholly. The answer errs on the safe side: a set that is said to bound
 //! does; a violation is overestimated by at most the tolerance.
 
 use super::DSphere;
@@ -52,8 +52,9 @@ pub(super) fn sort_and_dedup(points: &mut Vec<DVec3>) {
     points.dedup_by_key(|p| key(p));
 }
 
-/// Grows radii until the spheres bound the triangles, each uncovered leaf by the sphere that needs to grow least, so that no
-/// sphere grows by more than the violation before. `round_up` makes a radius representable. Returns the largest growth.
+/// Grows radii until the spheres bound the triangles, each uncovered leaf by the sphere that needs to grow least, so
+/// that no sphere grows by more than the violation before. `round_up` makes a radius representable. Returns the largest
+/// growth.
 pub(super) fn grow_to_cover(
     triangles: &[Triangle],
     spheres: &mut [DSphere],
@@ -132,7 +133,8 @@ fn each_leaf(
     });
 }
 
-/// Calls `visit` with every leaf that no single sphere holds, and the spheres that may be the nearest to it, until it breaks.
+/// Calls `visit` with every leaf that no single sphere holds, and the spheres that may be the nearest to it, until it
+/// breaks.
 ///
 /// `near` holds spheres for the triangle from `begin` on, and is as before on return up to their order.
 fn leaves(
@@ -168,8 +170,8 @@ fn leaves(
 /// Appends those of `near[begin..]` that may hold a part of the triangle, or be the nearest to one.
 ///
 /// With middle m and reach ρ, what a sphere lacks of a part lies between |m − centre| − ρ − radius and, of the whole,
-/// |m − centre| + ρ − radius. Who lacks more of every part than another one of the whole decides nothing: a large triangle
-/// meets all spheres of a set, its pieces few.
+/// |m − centre| + ρ − radius. A sphere that lacks more of every part than another one of the whole decides nothing: a large
+/// triangle meets all spheres of a set, its pieces few.
 fn keep_near(triangle: &Triangle, sphere: &impl Fn(usize) -> DSphere, near: &mut Vec<u32>, begin: usize) {
     let end = near.len();
     if end - begin <= FEW {

@@ -8,13 +8,14 @@ const TOLERANCE: f64 = 1e-12;
 /// Edges at an angle below this to those before them count as lying in one line or plane with them.
 const DEGENERATE: f64 = 1e-9;
 
-/// The smallest sphere that contains all `spheres` (finite, radii not negative) wholly; of no spheres, radius 0 at the origin.
+/// The smallest sphere that contains all `spheres` (finite, radii not negative) wholly; of no spheres, radius 0 at the
+/// origin.
 ///
 /// At most four spheres decide it, and it touches them from inside \[Fischer2004\]. The search keeps such a support,
-/// adds the sphere that reaches out farthest, and takes the smallest sphere around those five at most by trying every part
-/// of them: the radius grows in each step, so that the steps end. (The recursion of \[Welzl1991\], good for points,
-/// fails for spheres \[Fischer2004\].) The centre is exact up to rounding; the radius is the farthest reach from it as
-/// computed, so that rounding leaves nothing outside.
+/// adds the sphere that reaches out farthest, and takes the smallest sphere around those five at most by trying every
+/// part of them: the radius grows in each step, so that the steps end. (The recursion of \[Welzl1991\], good for
+/// points, fails for spheres \[Fischer2004\].) The centre is exact up to rounding; the radius is the farthest reach
+/// from it as computed, so that rounding leaves nothing outside.
 pub(super) fn enclosing_sphere(spheres: &[DSphere]) -> DSphere {
     let Some(&first) = spheres.iter().max_by(|a, b| a.radius.total_cmp(&b.radius)) else {
         return DSphere { center: DVec3::ZERO, radius: 0.0 };

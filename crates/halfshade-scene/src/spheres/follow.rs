@@ -1,7 +1,7 @@
 //! Spheres that follow a deforming mesh.
 //!
-//! Every sphere is bound to the part of the surface that it holds at rest: triangles, cut until each piece lies within one
-//! sphere. When the surface deforms,
+//! Every sphere is bound to the part of the surface that it holds at rest: triangles, cut until each piece lies within
+//! one sphere. When the surface deforms,
 //! - the sphere moves with the similarity that carries its part there best in the sense of least squares, the rotation of
 //!   \[Horn1987\] (an eigenvector of a symmetric 4×4 matrix: always a rotation, also of a flat part);
 //! - its radius grows or shrinks with the distance of the part's farthest point, so that the set goes on bounding the

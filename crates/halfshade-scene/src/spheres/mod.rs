@@ -40,8 +40,8 @@ pub struct Sphere {
 pub struct SphereSet {
     /// The leaf spheres, in the mesh's own coordinates.
     pub spheres: Vec<Sphere>,
-    /// Volume of the union of the spheres outside the mesh, as a fraction of the mesh's volume. Of a mesh that encloses
-    /// no volume: the volume of the union, as a fraction of the volume of a ball around the mesh (and a note says so).
+    /// Volume of the union of the spheres outside the mesh, as a fraction of the mesh's volume. Where the mesh
+    /// encloses no volume: the volume of the union, as a fraction of that of a sphere around the mesh (a note says so).
     pub outside_volume_fraction: f64,
     /// Half the range of three independent estimates of `outside_volume_fraction`, which is their mean.
     pub outside_volume_error: f64,

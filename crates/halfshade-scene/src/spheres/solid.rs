@@ -130,7 +130,8 @@ impl Columns {
         length * self.step * self.step
     }
 
-    /// This solid and `spheres` together, over the window in which spheres inside `region` lie; lines beyond it are empty.
+    /// This solid and `spheres` together, over the window in which spheres inside `region` lie; lines beyond it are
+    /// empty.
     pub(super) fn united_with<'a>(&self, spheres: impl Iterator<Item = &'a DSphere>, region: &DSphere) -> Self {
         let (across, _) = split(region.center, self.axis);
         let window = [across - DVec2::splat(region.radius), across + DVec2::splat(region.radius + self.step)];

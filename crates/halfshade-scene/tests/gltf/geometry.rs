@@ -161,7 +161,8 @@ fn an_animated_weight_that_stands_still_is_a_pose_and_mistakes_are_named() {
     assert!(huge.contains("too far out"), "{huge}");
 }
 
-/// A square bound to joints 2 and 3, half each, whose node stands elsewhere; `joints` are the JSON of these nodes' insides.
+/// A square bound to joints 2 and 3, half each, whose node stands elsewhere; `joints` are the JSON of these nodes'
+/// insides.
 fn skinned(joints: [&str; 2], targets: &str, rest: &str) -> Vec<u8> {
     let mut builder = square();
     builder.list("VEC4", 5121, 4, &[0, 1, 0, 0].repeat(4), "");

@@ -10,8 +10,9 @@ use std::path::PathBuf;
 
 /// A square column of height 2 in five rings, in a folder of its own.
 ///
-/// `armature` turns z up into y up, halves and shifts; `lower` stands on it and slides along x from 0.5 s to 1.5 s; `upper`
-/// stands 1 above and bends by a quarter turn about x from 0 s to 2 s. The node of the mesh is elsewhere, which mustn't count.
+/// `armature` turns z up into y up, halves and shifts; `lower` stands on it and slides along x from 0.5 s to 1.5 s;
+/// `upper` stands 1 above and bends by a quarter turn about x from 0 s to 2 s. The node of the mesh is elsewhere, which
+/// mustn't count.
 struct Column {
     upper_times: Vec<f32>,
     /// Rotations of `upper`, as quaternions.

@@ -4,9 +4,9 @@
 //! of 2D Haar wavelets: orthonormal over the square (not over the sphere, on which texels differ in size), made by
 //! [`transform`]. Few of their coefficients hold what many spherical harmonics can't: an edge.
 //!
-//! A face of `4^L` texels has as many coefficients. The scaling function, 1, has index 0; wavelet `t` (0: left less right,
-//! 1: top less bottom, 2: the product of their signs) of square `s` on level `l`, `2^l` in size, has index
-//! `(1 + t) 4^l + s`. Squares are numbered so that quarter `k` of square `s` on level `l` is `s + k 4^l`: the last texel
+//! A face of `4^L` texels has as many coefficients. The scaling function, 1, has index 0; wavelet `t` (0: left less
+//! right, 1: top less bottom, 2: the product of their signs) of square `s` on level `l`, `2^l` in size, has index `(1 +
+//! t) 4^l + s`. Squares are numbered so that quarter `k` of square `s` on level `l` is `s + k 4^l`: the last texel
 //! number has the finest quarter in front. So every level is one butterfly over contiguous memory, in place.
 //!
 //! [`product`] multiplies two functions without leaving the basis.

@@ -1,8 +1,9 @@
-//! The product of two functions in the Haar basis: the triple product \[Ng2004\] of two vectors with every basis function.
+//! The product of two functions in the Haar basis: the triple product \[Ng2004\] of two vectors with every basis
+//! function.
 //!
 //! Three wavelets have an integral other than 0 only if they share a square, or two are the same and lie within one
-//! quarter of the third. So one walk down the tree of squares finds the product, with the means of both functions over the
-//! square at hand. Where one of them has no finer wavelets it is a number, and the other's are scaled.
+//! quarter of the third. So one walk down the tree of squares finds the product, with the means of both functions over
+//! the square at hand. Where one of them has no finer wavelets it is a number, and the other's are scaled.
 //!
 //! Functions that are constant on texels have products that are: nothing is cut off, unlike with spherical harmonics. So
 //! the product of texels, one by one, is the same function; this way is shorter where vectors are sparse.
@@ -50,7 +51,8 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    /// Writes the product's wavelets of a square and all within it; returns its mean there. `means` are the two functions'.
+    /// Writes the product's wavelets of a square and all within it; returns its mean there. `means` are the two
+    /// functions'.
     fn square(&self, on_level: usize, square: usize, means: [f32; 2], out: &mut [f32]) -> f32 {
         match [0, 1].map(|which| self.occupied[which].at(on_level, square)) {
             [false, false] => {}

@@ -6,10 +6,10 @@
 //! form. In `examples/cap_experiment.rs` 16 points per cap come close to the projection of the exact visibility where
 //! the exponentials err several times more.
 //!
-//! Shares are averages over a few points that move with their cap. So that they change continuously, each point stands for
-//! its part of the cap: within another cap of v = 1 - cos θ it is counted in full up to `v (1 - 1/(2 points))` from that
-//! cap's centre, not at all from `v (1 + 1/(2 points))`, linearly between. A cap smaller than what a point stands for is
-//! widened to that, and counted for less in proportion.
+//! Shares are averages over a few points that move with their cap. So that they change continuously, each point stands
+//! for its part of the cap: within another cap of v = 1 - cos θ it is counted in full up to `v (1 - 1/(2 points))` from
+//! that cap's centre, not at all from `v (1 + 1/(2 points))`, linearly between. A cap smaller than what a point stands
+//! for is widened to that, and counted for less in proportion.
 
 use wide::f32x8;
 

@@ -129,7 +129,8 @@ fn exponentials_agree_with_f64() {
 
 #[test]
 fn thousands_of_blockers_cost_one_digit() {
-    // Squaring values near 1 instead of their difference from 1 would lose more: 13 squarings double a rounding error 13 times.
+    // Squaring values near 1 instead of their difference from 1 would lose more: 13 squarings double a rounding error
+    // 13 times.
     let mut generator = Pcg64Mcg::seed_from_u64(5);
     for method in [Method::Hybrid { magnitude_limit: 0.25 }, Method::Quadratic { magnitude_limit: 1.0 }] {
         let exponential = Exponential::new(4, method, DEFAULT_CLIP);

@@ -110,9 +110,9 @@ pub fn relative_errors(
 /// Reflectance, light and blocker: three lobes of scale 1.
 pub type Chain = [Lobe; 3];
 
-/// `count` chains as a renderer meets them, the same every time: reflectance of exponent 1 to 100, light and blocker of 10 to
-/// 10000 (caps of 25 degrees to 1), light anywhere in the reflectance's hemisphere, blocker within three widths of
-/// the wider of the two.
+/// `count` chains as a renderer meets them, the same every time: reflectance of exponent 1 to 100, light and blocker of
+/// 10 to 10000 (caps of 25 degrees to 1), light anywhere in the reflectance's hemisphere, blocker within three widths
+/// of the wider of the two.
 pub fn chains(count: usize) -> Vec<Chain> {
     let at = |index: usize| -> Chain {
         // An additive recurrence per dimension.

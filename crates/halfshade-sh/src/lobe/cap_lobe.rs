@@ -12,8 +12,8 @@ use std::f64::consts::TAU;
 pub enum CapFit {
     /// Scale 1, exponent by least squares over the sphere [Meunier2009, eq. 31-34].
     ///
-    /// `∫_cap cos^e ln cos = ∫ cos^(2e) ln cos` is `u (1 - ln u) = 1 - n²/(2n-1)²`. Small caps: `n ≈ 1.923/θ²`. Its integral
-    /// is 4 % more than the cap's for small caps, right at 0.6 rad, and up to 7 % less at 1.3 rad.
+    /// `∫_cap cos^e ln cos = ∫ cos^(2e) ln cos` is `u (1 - ln u) = 1 - n²/(2n-1)²`. Small caps: `n ≈ 1.923/θ²`. Its
+    /// integral is 4 % more than the cap's for small caps, right at 0.6 rad, and up to 7 % less at 1.3 rad.
     #[default]
     LeastSquares,
     /// Exponent and scale by least squares: `-u ln u/(1-u) = (n-1)/(2n-1)`, `s = (2n-1)/n·(1-u)`.
@@ -78,12 +78,12 @@ fn root(v: f64, falling: impl Fn(f64) -> f64) -> f64 {
 
 /// The lobe for the cap of angular radius θ about a unit axis, with value 1 in the cap.
 ///
-/// `versine = 1 - cos θ`, [0, 2]; NaN counts as 0. A cap of nothing has scale 0, and one so small that its exponent would
-/// pass [`MAX_EXPONENT`] keeps the integral by a smaller scale. A lobe ends at the hemisphere: past π/2 the exponent is 0,
-/// the scale 1 or, where the solid angle is kept, the versine.
+/// `versine = 1 - cos θ`, [0, 2]; NaN counts as 0. A cap of nothing has scale 0, and one so small that its exponent
+/// would pass [`MAX_EXPONENT`] keeps the integral by a smaller scale. A lobe ends at the hemisphere: past π/2 the
+/// exponent is 0, the scale 1 or, where the solid angle is kept, the versine.
 ///
-/// Error, as the squared distance over the cap's solid angle: 0.235 for small caps by [`CapFit::LeastSquares`], 0.185 with
-/// the scale fitted too, 0.236 and 0.198 where the solid angle is kept; falling to 0 for a hemisphere.
+/// Error, as the squared distance over the cap's solid angle: 0.235 for small caps by [`CapFit::LeastSquares`], 0.185
+/// with the scale fitted too, 0.236 and 0.198 where the solid angle is kept; falling to 0 for a hemisphere.
 pub fn cap_lobe(axis: [f64; 3], versine: f64, fit: CapFit) -> Lobe {
     // Not `clamp`, which keeps NaN.
     let versine = if versine > 0.0 { versine.min(2.0) } else { 0.0 };

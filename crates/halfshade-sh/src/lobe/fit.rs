@@ -1,11 +1,11 @@
 //! The lobe that is closest to a product of two, in the least squares of [Meunier2009, eq. 19].
 //!
-//! The paper runs Levenberg-Marquardt on exponent and scale together. Here the scale is eliminated: for a given exponent e
-//! the best scale is `∫ f c / ∫ c²` with `c = max(a·v,0)^e`, `∫ c² = 2π/(2e+1)`, and what is left to maximize is
-//! `(∫ f c)² (2e+1)`. Its logarithmic derivative is
-//! `mean of ln cos δ + mean of ln cos(ψ-x) + 1/(2e+1) = 0`, both means under the weight f c: one equation in one unknown,
-//! whose means are closed form across the plane of the axes and a sum over the points of [`Plane`] in it. The minimum is
-//! the same; there is no start value and no tolerance to choose.
+//! The paper runs Levenberg-Marquardt on exponent and scale together. Here the scale is eliminated: for a given
+//! exponent e the best scale is `∫ f c / ∫ c²` with `c = max(a·v,0)^e`, `∫ c² = 2π/(2e+1)`, and what is left to
+//! maximize is `(∫ f c)² (2e+1)`. Its logarithmic derivative is `mean of ln cos δ + mean of ln cos(ψ-x) + 1/(2e+1) =
+//! 0`, both means under the weight f c: one equation in one unknown, whose means are closed form across the plane of
+//! the axes and a sum over the points of [`Plane`] in it. The minimum is the same; there is no start value and no
+//! tolerance to choose.
 
 use super::plane::{Plane, ln_wallis, mean_ln_cos};
 use std::f64::consts::TAU;
@@ -17,9 +17,9 @@ pub(super) struct Fit {
     pub(super) scale: f64,
 }
 
-/// Least squares over the sphere of `scale·max(a·v,0)^exponent` to the product with exponents `e1`, `e2` of which `plane`
-/// is the section; the axis is at `axis` radians from where the second lobe ends. Exponents are at least 0. Relative error
-/// 1e-9 of the exponent plus 1.
+/// Least squares over the sphere of `scale·max(a·v,0)^exponent` to the product with exponents `e1`, `e2` of which
+/// `plane` is the section; the axis is at `axis` radians from where the second lobe ends. Exponents are at least 0.
+/// Relative error 1e-9 of the exponent plus 1.
 pub(super) fn least_squares(e1: f64, e2: f64, plane: &Plane, axis: f64) -> Fit {
     let ln_cos: Vec<f64> =
         plane.longitudes.iter().map(|longitude| (longitude - axis).cos().max(f64::MIN_POSITIVE).ln()).collect();
@@ -40,8 +40,8 @@ pub(super) fn least_squares(e1: f64, e2: f64, plane: &Plane, axis: f64) -> Fit {
     Fit { exponent, scale: integral * (2.0 * exponent + 1.0) / TAU }
 }
 
-/// Where `slope` falls through 0, given that it is positive at 0: false position (its Illinois variant) in ln(e+1), on the slope times
-/// e+1, which is then neither steep nor flat.
+/// Where `slope` falls through 0, given that it is positive at 0: false position (its Illinois variant) in ln(e+1), on
+/// the slope times e+1, which is then neither steep nor flat.
 fn root(slope: impl Fn(f64) -> f64, guess: f64) -> f64 {
     let at = |ln: f64| (ln, slope(ln.exp_m1()) * ln.exp());
     let (mut low, mut high) = (at(0.0), at((2.0 * guess + 3.0).ln()));

@@ -1,13 +1,14 @@
-//! Cosine lobes, `c(v) = s·max(a·v, 0)^e`: products, integrals, and the lobe that stands for a cap [Meunier2009, 4 and 5.2].
+//! Cosine lobes, `c(v) = s·max(a·v, 0)^e`: products, integrals, and the lobe that stands for a cap [Meunier2009, 4 and
+//! 5.2].
 //!
-//! [`Lobe`] with [`product`], [`product_integral`] and [`cap_lobe`] is the f64 reference, a quadrature per call. [`Lobe8`]
-//! with [`LobeTable`] and [`CapLobeTable`] is what runs per receiver: reflectance times light by [`LobeTable::product8`], then
-//! with every visibility lobe [`LobeTable::product_integral8`], skipped where [`Lobe8::product_bound`] is below a threshold.
-//! [`LobeSum`] is light from infinitely far as lobes.
+//! [`Lobe`] with [`product`], [`product_integral`] and [`cap_lobe`] is the f64 reference, a quadrature per call.
+//! [`Lobe8`] with [`LobeTable`] and [`CapLobeTable`] is what runs per receiver: reflectance times light by
+//! [`LobeTable::product8`], then with every visibility lobe [`LobeTable::product_integral8`], skipped where
+//! [`Lobe8::product_bound`] is below a threshold. [`LobeSum`] is light from infinitely far as lobes.
 //!
-//! `examples/lobe_accuracy.rs` prints the errors of each rule over the samples of [Meunier2009, 4.1], and those of chains:
-//! reflectance times light times blocker, as a fraction of the unshadowed. Errors of the integral are the table's
-//! interpolation alone for the two rules that keep it.
+//! `examples/lobe_accuracy.rs` prints the errors of each rule over the samples of [Meunier2009, 4.1], and those of
+//! chains: reflectance times light times blocker, as a fraction of the unshadowed. Errors of the integral are the
+//! table's interpolation alone for the two rules that keep it.
 
 pub mod accuracy;
 mod batch;
@@ -32,8 +33,8 @@ use std::f64::consts::TAU;
 
 /// Exponents are clamped to this.
 ///
-/// [Meunier2009, 4.1] ends its table at 1e5. Nothing here needs an end; this one is where the rounding of an axis to f32 is
-/// a part in 5000 of the lobe's width `1/sqrt(e)`.
+/// [Meunier2009, 4.1] ends its table at 1e5. Nothing here needs an end; this one is where the rounding of an axis to
+/// f32 is a part in 5000 of the lobe's width `1/sqrt(e)`.
 pub const MAX_EXPONENT: f64 = 1e7;
 
 /// `s·max(a·v, 0)^e` [Meunier2009, eq. 4]. With e = 0 it is s on the hemisphere about the axis, the limit of small e.

@@ -7,9 +7,10 @@ const TOLERANCE: f64 = 1e-11;
 
 /// The x ≥ 0 that minimizes `xᵀGx/2 - cᵀx`: `‖Ax - b‖²` with `G = AᵀA`, `c = Aᵀb`.
 ///
-/// By active sets ([LawsonHanson1974, 23]): the coefficient with the steepest gradient joins, those that become negative
-/// leave. At the end `x_i > 0` where the gradient `(Gx - c)_i` is 0, and `x_i = 0` where it is positive. G must be square,
-/// symmetric and not indefinite, with as many rows as c; columns that depend on others keep 0. What isn't finite gives 0.
+/// By active sets ([LawsonHanson1974, 23]): the coefficient with the steepest gradient joins, those that become
+/// negative leave. At the end `x_i > 0` where the gradient `(Gx - c)_i` is 0, and `x_i = 0` where it is positive. G
+/// must be square, symmetric and not indefinite, with as many rows as c; columns that depend on others keep 0. Input
+/// that isn't finite gives 0.
 pub(super) fn nonnegative_least_squares(gram: &DMatrix<f64>, target: &[f64]) -> Vec<f64> {
     let count = target.len();
     let mut x = vec![0.0; count];

@@ -49,9 +49,9 @@ const SMALLEST: f64 = 1e-12;
 
 /// Where `cos(x)^e1 · cos(α-x)^e2` is largest, x being the angle from the first axis toward the second.
 ///
-/// `e1 tan x = e2 tan(α-x)`, or with `k = (e2-e1)/(e2+e1)`: `sin(2x-α) = k sin α`. In products of sines and cosines,
-/// `D = cos(2x-α) = sqrt(1 - k² sin²α)`, `2 cos x cos(α-x) = D + cos α`, `2 sin x sin(α-x) = D - cos α`, and the product of
-/// the last two is `(1-k²) sin²α`: from which either is had without cancellation, for every α from 0 to π.
+/// `e1 tan x = e2 tan(α-x)`, or with `k = (e2-e1)/(e2+e1)`: `sin(2x-α) = k sin α`. In products of sines and cosines, `D
+/// = cos(2x-α) = sqrt(1 - k² sin²α)`, `2 cos x cos(α-x) = D + cos α`, `2 sin x sin(α-x) = D - cos α`, and the product
+/// of the last two is `(1-k²) sin²α`: from which either is had without cancellation, for every α from 0 to π.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Saddle {
     /// `1 - k` and `1 + k`.
@@ -79,8 +79,8 @@ impl Saddle {
 
     /// `1/(1 + tan x tan(α-x))`, [0, 1]: 1 for equal axes, 0 for opposite ones, 1/2 for axes at right angles.
     ///
-    /// In the plane of the axes the logarithm of the product curves at the saddle by `(e1+e2)/g`, across it by `e1+e2`: so
-    /// g is the squared ratio of the widths.
+    /// In the plane of the axes the logarithm of the product curves at the saddle by `(e1+e2)/g`, across it by `e1+e2`:
+    /// so g is the squared ratio of the widths.
     pub(super) fn g(&self) -> f64 {
         self.cosines / (self.cosines + self.sines)
     }

@@ -1,8 +1,9 @@
 //! Integrals of products of lobes, reduced to one dimension.
 //!
-//! With δ the latitude above the plane of two axes and ψ the longitude in it, both dot products carry the factor cos δ, and
-//! `∫ max(a·v,0)^e1 max(b·v,0)^e2 dω = ∫ cos^(e1+e2+1) δ dδ · ∫ cos^e1 ψ cos^e2(α-ψ) dψ`. The first factor is
-//! [`ln_wallis`], the second is what [`Plane`] integrates. A third lobe whose axis is in the plane changes nothing of this.
+//! With δ the latitude above the plane of two axes and ψ the longitude in it, both dot products carry the factor cos δ,
+//! and `∫ max(a·v,0)^e1 max(b·v,0)^e2 dω = ∫ cos^(e1+e2+1) δ dδ · ∫ cos^e1 ψ cos^e2(α-ψ) dψ`. The first factor is
+//! [`ln_wallis`], the second is what [`Plane`] integrates. A third lobe whose axis is in the plane changes nothing of
+//! this.
 
 use super::pair::Saddle;
 use std::f64::consts::PI;
@@ -37,7 +38,8 @@ pub(super) fn mean_ln_cos(m: f64) -> f64 {
 /// A point of a quadrature rule on (0, 1): u, which keeps its relative accuracy near 0, and the weight.
 type Node = (f64, f64);
 
-/// Tanh-sinh quadrature on (0, 1), `u = 1/(1 + exp(-π sinh t))`: singular derivatives at the ends, as of x^0.1, don't hurt.
+/// Tanh-sinh quadrature on (0, 1), `u = 1/(1 + exp(-π sinh t))`: singular derivatives at the ends, as of x^0.1, don't
+/// hurt.
 fn rule() -> &'static [Node] {
     static RULE: OnceLock<Vec<Node>> = OnceLock::new();
     RULE.get_or_init(|| {

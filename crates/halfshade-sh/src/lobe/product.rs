@@ -9,10 +9,10 @@
 //! `∫ ≈ 2πP c/n`, `n = sqrt((E+1)((E+2)/g - 1))`,
 //! `c = 1 + (1/12)(1-g)(1+g+10g²)·(e1-e2)²/((e1+1)(e2+1)(E+2))`.
 //!
-//! This is Laplace's method in that variable, with c from the third and fourth derivatives, made exact at α = 0. It is 14 %
-//! too large for two hemispheres at right angles, 4 % too small where one lobe is narrow and the other's exponent 0, within
-//! 3 % where both exponents are 1 or more, and exact as both grow. n - 1 is also the exponent that least squares finds as
-//! exponents grow: the geometric mean of a Gaussian's two precisions.
+//! This is Laplace's method in that variable, with c from the third and fourth derivatives, made exact at α = 0. It is
+//! 14 % too large for two hemispheres at right angles, 4 % too small where one lobe is narrow and the other's exponent
+//! 0, within 3 % where both exponents are 1 or more, and exact as both grow. n - 1 is also the exponent that least
+//! squares finds as exponents grow: the geometric mean of a Gaussian's two precisions.
 
 use super::fit::{Fit, least_squares};
 use super::pair::{HalfAngle, Saddle, unit};
@@ -129,10 +129,10 @@ fn pair(a: &Lobe, b: &Lobe) -> Option<Pair> {
 
 /// `a·b` as a lobe, fitted directly. [`LobeTable`](super::LobeTable) has it tabulated.
 ///
-/// Lobes of opposite axes, or so narrow and far apart that nothing of the product is left in f64, give scale 0. Axes need
-/// not be normalized; exponents are clamped to [0, [`MAX_EXPONENT`](super::MAX_EXPONENT)]. Every rule keeps a lobe that is
-/// multiplied by one of exponent 0 only where the other's hemisphere covers it: a hemisphere, not the constant 1 of
-/// [Meunier2009, eq. 40].
+/// Lobes of opposite axes, or so narrow and far apart that nothing of the product is left in f64, give scale 0. Axes
+/// need not be normalized; exponents are clamped to [0, [`MAX_EXPONENT`](super::MAX_EXPONENT)]. Every rule keeps a lobe
+/// that is multiplied by one of exponent 0 only where the other's hemisphere covers it: a hemisphere, not the constant
+/// 1 of [Meunier2009, eq. 40].
 ///
 /// The published rule misses up to 16 % of the integral where axes are within 0.1 of a right angle, half and more as they
 /// become opposite; the others keep it. [`accuracy`](super::accuracy) measures it.
@@ -175,11 +175,11 @@ pub fn product_integral(a: &Lobe, b: &Lobe) -> f64 {
 
 /// A bound that `|∫ a(v) b(v) dω|` never exceeds: `|s1 s2| cos(x)^e1 cos(α-x)^e2 · 2π/(e1+e2+1)`, x the peak.
 ///
-/// For any direction, at the angle δ from the peak, the product is at most its peak value times `cos^(e1+e2) δ`: with
-/// t = tan of the longitude from the peak, `cos ψ = cos x cos(ψ-x) (1 - t tan x)`, and
-/// `(1 - t tan x)^e1 (1 + t tan(α-x))^e2 ≤ exp(t (e2 tan(α-x) - e1 tan x)) = 1`. So a product may be dropped as
-/// [Meunier2009, 4.3] does, by a threshold on this, without a fit and without ever dropping what isn't negligible. Equal to
-/// the integral for equal axes; for others too large by about `1/sqrt(g)`.
+/// For any direction, at the angle δ from the peak, the product is at most its peak value times `cos^(e1+e2) δ`: with t
+/// = tan of the longitude from the peak, `cos ψ = cos x cos(ψ-x) (1 - t tan x)`, and `(1 - t tan x)^e1 (1 + t
+/// tan(α-x))^e2 ≤ exp(t (e2 tan(α-x) - e1 tan x)) = 1`. So a product may be dropped as [Meunier2009, 4.3] does, by a
+/// threshold on this, without a fit and without ever dropping what isn't negligible. Equal to the integral for equal
+/// axes; for others too large by about `1/sqrt(g)`.
 pub fn product_bound(a: &Lobe, b: &Lobe) -> f64 {
     let (e1, e2) = (finite_exponent(a.exponent), finite_exponent(b.exponent));
     let peak = Saddle::new(e1, e2, HalfAngle::between(a.axis, b.axis));

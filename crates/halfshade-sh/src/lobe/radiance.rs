@@ -1,7 +1,8 @@
 //! Radiance over all directions as a constant and a few coloured lobes, fitted to a latitude-longitude image.
 //!
 //! [Meunier2009] has lobes for spherical lights only; this is beyond it. The image is averaged over a grid of
-//! [`COLUMNS`](grid::COLUMNS) by [`ROWS`](grid::ROWS) cells, and `L(v) = u + Σ s_j max(a_j·v, 0)^e_j` found with `u, s_j ≥ 0` that minimizes
+//! [`COLUMNS`](grid::COLUMNS) by [`ROWS`](grid::ROWS) cells, and `L(v) = u + Σ s_j max(a_j·v, 0)^e_j` found with `u,
+//! s_j ≥ 0` that minimizes
 //!
 //! ```text
 //! mean over directions of |L - image|²  +  λ · mean over normals of |E(L) - E(image)|²/π²
@@ -9,7 +10,8 @@
 //!
 //! with irradiance E, since that is what a diffuse surface shows. Lobes are chosen one by one from a ladder of axes and
 //! exponents, each the one that explains most of what is left, and all scales are fitted anew after each
-//! (`matching_pursuit.rs`, `nonnegative.rs`); then axes and exponents are moved to where they explain more. No step is random.
+//! (`matching_pursuit.rs`, `nonnegative.rs`); then axes and exponents are moved to where they explain more. No step is
+//! random.
 
 mod grid;
 mod matching_pursuit;
@@ -47,12 +49,12 @@ pub struct LobeSum {
 }
 
 impl LobeSum {
-    /// The sum of at most `count` lobes and a constant that is near to an RGB image: by radiance, mean square over directions,
-    /// and a thousand times as much by irradiance over π, mean square over normals.
+    /// The sum of at most `count` lobes and a constant that is near to an RGB image: by radiance, mean square over
+    /// directions, and a thousand times as much by irradiance over π, mean square over normals.
     ///
-    /// Row 0 is the zenith (+Y); the centre column looks along -Z and columns run toward +X, rows and columns at equal steps
-    /// of polar angle and azimuth, radiance constant over a texel. Texels that are negative or not finite count as 0.
-    /// `None` if `texels` does not have `width·height` entries or either is 0. The same bits on any number of
+    /// Row 0 is the zenith (+Y); the centre column looks along -Z and columns run toward +X, rows and columns at equal
+    /// steps of polar angle and azimuth, radiance constant over a texel. Texels that are negative or not finite count
+    /// as 0. `None` if `texels` does not have `width·height` entries or either is 0. The same bits on any number of
     /// threads. Light narrower than a cell of the grid is smeared over it.
     pub fn fit(count: usize, width: usize, height: usize, texels: &[[f32; 3]], table: &LobeTable) -> Option<Self> {
         if width == 0 || height == 0 || width.checked_mul(height) != Some(texels.len()) {

@@ -1,8 +1,8 @@
 //! Products of lobes tabulated in coordinates in which they are smooth.
 //!
-//! [Meunier2009, 4.1] tabulates axis, scale and exponent over both exponents and the angle, and needs many samples (under
-//! 10 MB, hours): all of them vary by orders of magnitude, and over angles as narrow as the lobes. Here the axis is closed
-//! form and what is stored are ratios to closed forms (see [`product`](super::product)), numbers near 1:
+//! [Meunier2009, 4.1] tabulates axis, scale and exponent over both exponents and the angle, and needs many samples
+//! (under 10 MB, hours): all of them vary by orders of magnitude, and over angles as narrow as the lobes. Here the axis
+//! is closed form and what is stored are ratios to closed forms (see [`product`](super::product)), numbers near 1:
 //! - the product's integral to `2πP c/n`;
 //! - published: `(e_r+1)/n`, and `p_r (1+sqrt(g))/(2 P g^(1/4))`, the fit of a Gaussian;
 //! - moments: `(e_r+1)(1+g)/(2 n sqrt(g))`, the mean of a Gaussian's variances, and the τ for which the mean vector is at the
@@ -10,9 +10,9 @@
 //!   cuts a narrow lobe, below 1 everywhere.
 //!
 //! Coordinates are `t/(1+t)`, [0, 1], of t = sqrt(e1), sqrt(e2) and sqrt(1/g - 1), the last for the balanced point: no
-//! exponent and no angle is outside. Square roots, because the integral is linear in α near α = 0 for small exponents, and
-//! because a peak's place near the edge of a lobe goes with the root of that lobe's exponent. All is symmetric in the two
-//! lobes, so half of the pairs of exponents is kept.
+//! exponent and no angle is outside. Square roots, because the integral is linear in α near α = 0 for small exponents,
+//! and because a peak's place near the edge of a lobe goes with the root of that lobe's exponent. All is symmetric in
+//! the two lobes, so half of the pairs of exponents is kept.
 //!
 //! The published rule stays rough where an exponent is near 0, since its axis then moves onto the edge of that
 //! lobe, and depends on the order of the limits where both are.
@@ -48,8 +48,8 @@ const NEARLY_ONE: f64 = 1.0 - 1e-6;
 #[derive(Debug, Clone)]
 pub struct LobeTable {
     rule: ProductRule,
-    /// By pair of exponents, the smaller first, then by interval of g: the ratios at its start and their differences to its
-    /// end.
+    /// By pair of exponents, the smaller first, then by interval of g: the ratios at its start and their differences to
+    /// its end.
     rows: Vec<f32x8>,
 }
 
@@ -93,9 +93,9 @@ impl LobeTable {
     /// The ratios, linear between nodes, for exponents of at least 0 and `width = sqrt(1/g - 1)` of at least 0; large
     /// values count as infinite, none may be NaN.
     ///
-    /// Worst error for exponents of at least 1: 2e-4 of the integral; 5e-4 of the exponent and 1e-3 of τ by moments, 3e-3 of
-    /// the published exponent and scale. Below: 6e-4 of the integral; 2e-3 and 3e-3 by moments, 0.02 published, and where
-    /// both exponents are below 0.1 up to 0.1.
+    /// Worst error for exponents of at least 1: 2e-4 of the integral; 5e-4 of the exponent and 1e-3 of τ by moments,
+    /// 3e-3 of the published exponent and scale. Below: 6e-4 of the integral; 2e-3 and 3e-3 by moments, 0.02 published,
+    /// and where both exponents are below 0.1 up to 0.1.
     #[inline(always)]
     pub(super) fn ratios(&self, e1: f32x8, e2: f32x8, width: f32x8) -> Ratios {
         let (low, low_part) = interval(e1.fast_min(e2).sqrt(), EXPONENTS);

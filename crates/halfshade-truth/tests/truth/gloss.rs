@@ -1,5 +1,5 @@
-//! Glossy receivers against closed forms and against quadrature in double precision, with every model's formula written out
-//! here once more.
+//! Glossy receivers against closed forms and against quadrature in double precision, with every model's formula written
+//! out here once more.
 
 use crate::scenes::{assert_agrees, ball, icosphere, normals_around, object, on_the_ground, run, scene, square};
 use glam::{DVec3, Vec3};
@@ -176,7 +176,8 @@ fn spherical_lights_from_small_to_all_around_agree_with_quadrature() {
     }
 }
 
-/// A lobe of 10^5 whose integral is 1 shows what it mirrors: a light's own radiance, however bright, and nothing beside it.
+/// A lobe of 10^5 whose integral is 1 shows what it mirrors: a light's own radiance, however bright, and nothing beside
+/// it.
 #[test]
 fn a_sharp_lobe_is_a_mirror() {
     let exponent = 1e5;
@@ -184,7 +185,8 @@ fn a_sharp_lobe_is_a_mirror() {
     for radiance in [1.0, 1e6] {
         let light = SphereLight { center: Vec3::new(0.0, 2.0, -2.0), radius: 0.4, radiance: Vec3::splat(radiance) };
         let scene = speck(phong((exponent + 1.0) / TAU, exponent), BLACK, vec![light], eye);
-        // Mirrored in the ground the eye looks from (0, -2, 2): through points near the origin it sees the light's middle.
+        // Mirrored in the ground the eye looks from (0, -2, 2): through points near the origin it sees the light's
+        // middle.
         let middle = black((0..40).map(|i| (Vec3::new(0.002 * i as f32 - 0.04, 0.0, 0.0), Vec3::Y)));
         let estimate = run(&scene, &middle, &samples(256));
         assert_agrees(&estimate, |_| f64::from(radiance), 8e-3 * f64::from(radiance), 2e-5 * f64::from(radiance));

@@ -33,8 +33,8 @@ fn on_ground(scale: f32, cells: usize, block: Mesh) -> Scene {
     scene(vec![ground, object(block, Pose::IDENTITY)], SKY, vec![])
 }
 
-/// Fraction of the sky that is open at the foot of a wall of half width `w` and height `h`, at distance `d` in front of its
-/// middle: 1 less the form factor of a rectangle at right angles.
+/// Fraction of the sky that is open at the foot of a wall of half width `w` and height `h`, at distance `d` in front of
+/// its middle: 1 less the form factor of a rectangle at right angles.
 fn open(w: f64, h: f64, d: f64) -> f64 {
     let far = h.hypot(d);
     1.0 - 2.0 / TAU * ((w / d).atan() - d / far * (w / far).atan())

@@ -131,8 +131,8 @@ pub(crate) fn normals_around(axis: DVec3, spread: f64, count: usize) -> Vec<DVec
 }
 
 /// Compares red values with their closed form: as many beyond 3 standard errors as Student's distribution with 15
-/// degrees of freedom allows (0.9 %, tested at a chance of about 1e-4), no bias of the mean beyond 4 of its errors, and an
-/// RMS standard error below `largest_error`. `model_error` is what tessellation or quadrature may miss.
+/// degrees of freedom allows (0.9 %, tested at a chance of about 1e-4), no bias of the mean beyond 4 of its errors, and
+/// an RMS standard error below `largest_error`. `model_error` is what tessellation or quadrature may miss.
 pub(crate) fn assert_agrees(
     estimate: &Estimate,
     expected: impl Fn(usize) -> f64,

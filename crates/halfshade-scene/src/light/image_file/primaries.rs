@@ -24,8 +24,8 @@ impl Primaries {
     /// CIE XYZ, whose white is of equal energy.
     pub(super) const XYZ: Self = Self([DVec2::X, DVec2::Y, DVec2::ZERO, DVec2::splat(1.0 / 3.0)]);
 
-    /// Those of a file, x and y of red, green, blue and white, by their decimal digits, since they are compared with others
-    /// of so many. Nothing but zeros is what programs write that know of none: Rec. 709.
+    /// Those of a file, x and y of red, green, blue and white, by their decimal digits, since they are compared with
+    /// others of so many. Nothing but zeros is what programs write that know of none: Rec. 709.
     pub(super) fn read(numbers: [f32; 8]) -> Self {
         if numbers == [0.0; 8] {
             return Self::REC709;
@@ -55,8 +55,8 @@ impl Primaries {
 
     /// Linear Rec. 709 by linear RGB of these primaries; `None` where they are the same.
     ///
-    /// M709⁻¹ · B⁻¹ · diag(B w709 / B w) · B · M with M to XYZ, white points w and the cone responses B of Bradford, so that
-    /// white stays white.
+    /// M709⁻¹ · B⁻¹ · diag(B w709 / B w) · B · M with M to XYZ, white points w and the cone responses B of Bradford, so
+    /// that white stays white.
     pub(super) fn to_rec709(self) -> Result<Option<DMat3>, SceneError> {
         let same = |(a, b): (&DVec2, &DVec2)| (a - b).abs().max_element() < SAME;
         if self.0.iter().zip(&Self::REC709.0).all(same) {

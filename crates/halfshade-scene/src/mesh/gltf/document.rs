@@ -1,7 +1,8 @@
 //! Bytes of a file as a checked document and its buffers.
 //!
 //! The crate's validation takes some things for granted, which are looked at here first, and refuses others that do no
-//! harm, which are mended here: bounds of positions that are missing, and accessors without data, which glTF says are zero.
+//! harm, which are mended here: bounds of positions that are missing, and accessors without data, which glTF says are
+//! zero.
 
 use super::buffers::Buffers;
 use super::emission::emission_note;

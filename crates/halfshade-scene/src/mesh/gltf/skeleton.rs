@@ -8,8 +8,8 @@
 //! rest = G p     G = world_from_joint_0 · B_0     M_j(t) = world_from_joint_j(t) · B_j · G⁻¹
 //! ```
 //!
-//! In the pose in which the mesh was bound all joints agree on `G`, so this is the mesh as it was bound, upright and of its
-//! size in the world. Meshes without a skin that stand in the same document follow their node.
+//! In the pose in which the mesh was bound all joints agree on `G`, so this is the mesh as it was bound, upright and of
+//! its size in the world. Meshes without a skin that stand in the same document follow their node.
 //!
 //! Only nodes that the animation moves, and nodes above them, become joints: what stands still below them is folded into
 //! `joint_from_rest`, where it may be any affine map. Joints must be similarities, as a [`crate::Pose`] is.

@@ -1,7 +1,7 @@
 //! Animation of one glTF node: channels, and the keyframes that they become.
 //!
-//! A [`Motion`] has keys of whole poses. Channels of one node have times of their own, so the pose is taken at all times at
-//! which any of them needs a key:
+//! A [`Motion`] has keys of whole poses. Channels of one node have times of their own, so the pose is taken at all
+//! times at which any of them needs a key:
 //! - `LINEAR` translations and rotations need their own keys: a [`Motion`] interpolates as they do. Linear scales are cut
 //!   where they grow, into steps of at most [`SCALE_STEP`], as a [`Motion`] interpolates logarithms.
 //! - `STEP` needs, before each key, another one that is earlier by the least step of an f64: exact.
