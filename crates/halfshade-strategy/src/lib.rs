@@ -3,6 +3,7 @@
 pub mod contract;
 pub mod effects;
 pub mod info;
+mod macros;
 pub mod parameter;
 pub mod params;
 pub mod settings;

@@ -6,7 +6,7 @@ use crate::sh_exp::{
     bake::{Tables, reflections::ReflectionTables},
     kernel::{Blockers, Receivers8, gather::Gather},
     prepare::cuts::{CutOf, Cuts},
-    shade::Shader,
+    shade::{Shader, batches::radiating},
 };
 use glam::DQuat;
 use halfshade_scene::{Frame, RadianceBuffer, RadianceMut, Receivers};
@@ -44,9 +44,9 @@ pub(crate) fn run(
     }
     if tables.cut.reflection_ratios && data.cuts.is_coarse() && !data.radiance.is_dark() {
         let mut cuts = std::mem::take(&mut data.cuts);
-        let shader = Shader { tables, data };
         // `bake` made sure that there is a kernel for this number of bands.
-        let _: Option<()> = dispatch_bands!(tables.bands, N => scale_reflections::<N>(shader, reflections, &mut cuts));
+        let _: Option<()> =
+            dispatch_bands!(tables.bands, N => scale_reflections::<N>(tables, reflections, data, &mut cuts));
         data.cuts = cuts;
     }
 }
@@ -66,11 +66,16 @@ fn shade_points(shader: Shader<'_>, receivers: Receivers<'_>, emitters: Option<&
 }
 
 /// Ratios of reflected light for the parents in `cuts`.
-fn scale_reflections<const N: usize>(shader: Shader<'_>, reflections: &ReflectionTables, cuts: &mut Cuts) {
-    let radiating = shader.radiating(reflections);
+fn scale_reflections<const N: usize>(
+    tables: &Tables,
+    reflections: &ReflectionTables,
+    data: &FrameData,
+    cuts: &mut Cuts,
+) {
+    let radiating = radiating(reflections, data);
     let mut gather = Gather::<N>::new(reflections.surfaces.len(), cuts.largest());
     cuts.set_reflection_ratios(|cluster, list| {
-        let blockers = Blockers { list, table: &reflections.table, rule: shader.tables.rule };
+        let blockers = Blockers { list, table: &reflections.table, rule: tables.rule };
         let (position, normal) = (cluster.place.map(f32x8::splat), cluster.normal.map(f32x8::splat));
         gather.see(&blockers, &radiating, &Receivers8 { position, normal });
         gather.parts(&radiating, &normal)

@@ -1,8 +1,7 @@
 //! Eight receivers at a time: visibility, then the light that it leaves.
 
-use super::Shader;
 use crate::sh_exp::{
-    bake::{Visibility, ground::GroundTables, reflections::ReflectionTables},
+    bake::{Tables, Visibility, ground::GroundTables, reflections::ReflectionTables},
     kernel::{
         Blocker, Blockers, Receivers8,
         gather::{Gather, Radiating},
@@ -12,6 +11,7 @@ use crate::sh_exp::{
         shares::Exposure,
         traced::Traced,
     },
+    prepare::frame::FrameData,
 };
 use halfshade_scene::{RadianceMut, Receivers};
 use halfshade_sh::kernel::{self, LANES, ShBatch};
@@ -19,7 +19,8 @@ use wide::f32x8;
 
 /// Batches of receivers, and the memory that they share.
 pub(super) struct Batches<'a, const N: usize> {
-    shader: Shader<'a>,
+    tables: &'a Tables,
+    data: &'a FrameData,
     finder: Finder<'a, N>,
     /// Where anything radiates: log blockers, and memory.
     reflections: Option<Reflected<'a, N>>,
@@ -44,11 +45,11 @@ struct Reflected<'a, const N: usize> {
 }
 
 impl<'a, const N: usize> Batches<'a, N> {
-    pub(super) fn new(shader: Shader<'a>) -> Self {
-        let Shader { tables, data } = shader;
+    pub(super) fn new(tables: &'a Tables, data: &'a FrameData) -> Self {
         let most = data.cuts.largest();
         Self {
-            shader,
+            tables,
+            data,
             finder: match &tables.visibility {
                 Visibility::Product => Finder::Product,
                 Visibility::Shares { points } => {
@@ -59,7 +60,7 @@ impl<'a, const N: usize> Batches<'a, N> {
             },
             reflections: (tables.reflections.as_ref()).filter(|_| !data.radiance.is_dark()).map(|tables| Reflected {
                 tables,
-                radiating: shader.radiating(tables),
+                radiating: radiating(tables, data),
                 gather: Gather::new(tables.surfaces.len(), most),
             }),
             rotation: data.space.rotation.transpose().to_cols_array().map(|value| f32x8::splat(value as f32)),
@@ -75,7 +76,7 @@ impl<'a, const N: usize> Batches<'a, N> {
         out: &mut RadianceMut<'_>,
         place: impl Fn(usize) -> usize,
     ) {
-        let Shader { tables, data } = self.shader;
+        let Self { tables, data, .. } = *self;
         let blockers = Blockers { list, table: &tables.blockers, rule: tables.rule };
         for start in (0..receivers.len()).step_by(LANES) {
             let lanes = (receivers.len() - start).min(LANES);
@@ -134,7 +135,7 @@ impl<'a, const N: usize> Batches<'a, N> {
         visibility: &ShBatch<N>,
         radiance: &mut [f32x8; 3],
     ) {
-        let Shader { tables, data } = self.shader;
+        let Self { tables, data, .. } = *self;
         let (Some(ground), Some(GroundTables { cosine, .. })) = (&data.ground, &tables.ground) else { return };
         let weights = visible_reflectance(normal, cosine, visibility);
         let of = |fields: &[Option<GroundField>]| {
@@ -166,7 +167,21 @@ impl<'a, const N: usize> Batches<'a, N> {
                 gather.radiance(radiating, &receivers.normal)
             }
         };
-        let least = f32x8::splat(if self.shader.tables.clamp { 0.0 } else { f32::NEG_INFINITY });
+        let least = f32x8::splat(if self.tables.clamp { 0.0 } else { f32::NEG_INFINITY });
         radiance.iter_mut().zip(reflected).for_each(|(sum, value)| *sum += value.max(least));
+    }
+}
+
+/// The spheres that radiate, as kernels read them.
+pub(crate) fn radiating<'a>(reflections: &'a ReflectionTables, data: &'a FrameData) -> Radiating<'a> {
+    Radiating {
+        vectors: &data.radiance,
+        form: &reflections.form,
+        exponential: &reflections.exponential,
+        cosine: &reflections.cosine,
+        neighbours: &reflections.neighbours,
+        walk: reflections.walk,
+        order: reflections.order,
+        intersections: reflections.intersections,
     }
 }

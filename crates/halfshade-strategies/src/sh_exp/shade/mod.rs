@@ -1,10 +1,9 @@
 //! Receivers in batches: eight side by side, those that see the same spheres one after another.
 
-mod batches;
+pub(crate) mod batches;
 
 use super::{
-    bake::{Tables, reflections::ReflectionTables},
-    kernel::gather::Radiating,
+    bake::Tables,
     prepare::{cuts::CutOf, frame::FrameData},
 };
 use batches::Batches;
@@ -25,24 +24,10 @@ impl Prepared for Shader<'_> {
     }
 }
 
-impl<'a> Shader<'a> {
+impl Shader<'_> {
     pub(crate) fn shade_by(&self, receivers: Receivers<'_>, whose: CutOf<'_>, out: RadianceMut<'_>) {
         // `bake` made sure that there is a kernel for this number of bands.
         let _: Option<()> = dispatch_bands!(self.tables.bands, N => shade::<N>(*self, receivers, whose, out));
-    }
-
-    /// The spheres that radiate, as kernels read them.
-    pub(crate) fn radiating(&self, reflections: &'a ReflectionTables) -> Radiating<'a> {
-        Radiating {
-            vectors: &self.data.radiance,
-            form: &reflections.form,
-            exponential: &reflections.exponential,
-            cosine: &reflections.cosine,
-            neighbours: &reflections.neighbours,
-            walk: reflections.walk,
-            order: reflections.order,
-            intersections: reflections.intersections,
-        }
     }
 }
 
@@ -50,7 +35,7 @@ impl<'a> Shader<'a> {
 /// anywhere; the last group of a cut is filled up with copies of its last receiver.
 fn shade<const N: usize>(shader: Shader<'_>, receivers: Receivers<'_>, whose: CutOf<'_>, mut out: RadianceMut<'_>) {
     let cuts = &shader.data.cuts;
-    let mut batches = Batches::<N>::new(shader);
+    let mut batches = Batches::<N>::new(shader.tables, shader.data);
     let Some(cut_of) = cuts.of(receivers, &shader.data.space, whose) else {
         if shader.data.ground.is_none() {
             return batches.shade(receivers, cuts.cut(0), &mut out, |place| place);
