@@ -1,7 +1,15 @@
 //! Every strategy, and every exponential variant, against the contract.
 
+#[path = "../cached_fields.rs"]
+mod cached_fields;
+
+use cached_fields::shadow_fields;
 use halfshade_strategies::{CosineLobe, RayTraced, ShExp, ShadowField, Unshadowed};
-use halfshade_strategy::{contract::Bounds, contract_tests};
+use halfshade_strategy::{
+    Strategy,
+    contract::{self, Bounds},
+    contract_tests,
+};
 
 /// No visibility, no noise: what is left is the table over normals.
 const TABLE: Bounds = Bounds { constant: 1e-5, quadrature: 0.01, gloss: 0.01, rotation: 0.005, brightening: 0.0 };
@@ -50,10 +58,10 @@ contract_tests!(sh_exp_reflections_precomputed, ShExp, "intersections=precompute
 /// light is faint; a highlight of exponent 15 is off by a sixth of its height, which is many times the mean.
 const FIELDS: Bounds = Bounds { constant: 0.02, quadrature: 0.5, gloss: 3.0, rotation: 0.1, brightening: 0.2 };
 
-contract_tests!(shadow_field, ShadowField::default(), "shells=8,resolution=8,map=32", FIELDS);
+contract_tests!(shadow_field, shadow_fields(), "shells=8,resolution=8,map=32", FIELDS);
 contract_tests!(
     shadow_field_as_floats,
-    ShadowField::default(),
+    shadow_fields(),
     "shells=8,resolution=8,map=32,sampling=fixed,storage=f32,own=projected,bands=3",
     FIELDS
 );
@@ -61,14 +69,26 @@ contract_tests!(
 /// Texels of 11 degrees, hardly smaller than the lamp and the lobes; and a turned cube is looked up.
 const TEXELS: Bounds = Bounds { constant: 0.02, quadrature: 0.5, gloss: 1.0, rotation: 0.1, brightening: 0.0 };
 
-contract_tests!(shadow_field_haar, ShadowField::default(), "basis=haar,face=16,shells=8,resolution=8,kept=0.1", TEXELS);
+contract_tests!(shadow_field_haar, shadow_fields(), "basis=haar,face=16,shells=8,resolution=8,kept=0.1", TEXELS);
 contract_tests!(
     shadow_field_haar_by_wavelets,
-    ShadowField::default(),
+    shadow_fields(),
     "basis=haar,face=8,shells=8,resolution=8,kept=0.1,product=wavelets,sampling=adaptive-shells",
     // Nothing holds what is hidden within [0, 1].
     Bounds { brightening: 0.02, ..TEXELS }
 );
+
+/// Without a cache, from which the second of two bakings would read what the first made.
+#[test]
+fn shadow_fields_read_no_spheres() {
+    let strategy = ShadowField::default();
+    for settings in ["shells=8,resolution=8,map=32", "basis=haar,face=8,shells=8,resolution=8"] {
+        let params = strategy.info().parse(settings).expect("valid settings");
+        if let Err(violation) = contract::who_needs_no_spheres_reads_none(&strategy, &params) {
+            panic!("{settings}: {violation}");
+        }
+    }
+}
 
 /// Turned with the scene, a light's square lies otherwise: other cells are partly covered. A highlight tells the texels of a map
 /// from the lobes fitted to them.

@@ -1,6 +1,6 @@
 //! Shadow fields from end to end: against closed forms, against rays, at the extremes, from a damaged cache.
 
-use crate::common;
+use crate::{cached_fields::shadow_fields, common};
 use glam::{Quat, Vec3};
 use halfshade_scene::{
     Cache, Environment, Mesh, Motion, Object, Pose, Progress, ReceiverBuffer, Scene, SphereLight, builtin::shapes,
@@ -28,7 +28,7 @@ fn ball_over_plane() -> Scene {
 }
 
 fn baked(scene: &Scene, settings: &str) -> Box<dyn Baked> {
-    common::baked(&ShadowField::default(), scene, settings)
+    common::baked(&shadow_fields(), scene, settings)
 }
 
 fn shade(baked: &mut dyn Baked, scene: &Scene, receivers: &ReceiverBuffer) -> Vec<f32> {
