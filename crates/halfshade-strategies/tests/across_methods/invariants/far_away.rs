@@ -1,6 +1,6 @@
 //! Far things take no digit of near ones: neither objects nor lamps, whoever of them comes first.
 
-use super::scenes::{apart, at, ball, lamp, lights, models, some_vertices, still_life, variants};
+use super::scenes::{apart, at, ball, lamp, lights, models, some_vertices, still_life, variants_baked_anew};
 use glam::Vec3;
 use halfshade_scene::{RadianceBuffer, ReceiverBuffer, Scene};
 
@@ -14,7 +14,7 @@ fn near(scene: &Scene, objects: [u32; 3]) -> ReceiverBuffer {
 
 #[test]
 fn a_far_object_changes_nothing() {
-    for variant in variants() {
+    for variant in variants_baked_anew() {
         for (light, scene) in
             lights(Vec3::ONE).into_iter().filter(|(light, _)| ["constant", "near lamp"].contains(light))
         {
@@ -39,7 +39,7 @@ fn a_far_object_changes_nothing() {
 #[test]
 fn a_lamp_may_be_as_far_as_the_sun() {
     let direction = Vec3::new(0.4, 1.0, 0.3).normalize();
-    for variant in variants() {
+    for variant in variants_baked_anew() {
         let lit = |distance: f32| -> Option<RadianceBuffer> {
             let mut scene = still_life();
             scene.lights = vec![

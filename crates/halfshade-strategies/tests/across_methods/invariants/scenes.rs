@@ -1,5 +1,6 @@
 //! Strategies, lights and a scene that all tests share.
 
+use crate::cached_fields::shadow_fields;
 use crate::common::{baked, shade};
 use glam::{Quat, Vec3};
 use halfshade_scene::{
@@ -52,20 +53,33 @@ impl Variant {
     }
 }
 
+/// All strategies. What shadow fields trace of a mesh is kept for other tests.
 pub(super) fn variants() -> Vec<Variant> {
+    variants_with(shadow_fields)
+}
+
+/// All strategies, for tests of what baking may depend on: shadow fields trace every mesh of every scene anew.
+pub(super) fn variants_baked_anew() -> Vec<Variant> {
+    variants_with(ShadowField::default)
+}
+
+fn variants_with(fields: fn() -> ShadowField) -> Vec<Variant> {
     let mut all = vec![
         Variant::new(Unshadowed, ""),
         Variant { noise: 0.25, ..Variant::new(RayTraced, "samples=256") },
         Variant::new(ShExp, "bounces=0"),
         Variant::new(ShExp, "bounces=0,exp=product"),
     ];
-    all.extend(fields_and_lobes());
+    all.extend(fields_and_lobes_with(fields));
     all
 }
 
 /// Shadow fields and cosine lobes.
 pub(super) fn fields_and_lobes() -> Vec<Variant> {
-    let fields = || ShadowField::default();
+    fields_and_lobes_with(shadow_fields)
+}
+
+fn fields_and_lobes_with(fields: fn() -> ShadowField) -> Vec<Variant> {
     vec![
         Variant::new(fields(), "shells=6,resolution=4,map=24"),
         Variant::new(fields(), "shells=6,resolution=4,map=24,own=projected"),
