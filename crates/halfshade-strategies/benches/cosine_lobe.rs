@@ -4,11 +4,12 @@
 //! Criterion reports receivers per second; only ratios within one run mean something on a shared machine.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use halfshade_scene::{
     Environment, Material, Mesh, Motion, Object, Pose, RadianceBuffer, ReceiverBuffer, Reflectance, Scene, Sphere,
     SphereLight, SphereSet, progress::Silent,
 };
+use halfshade_sh::quadrature::golden_spiral;
 use halfshade_strategies::CosineLobe;
 use halfshade_strategy::Strategy;
 use std::hint::black_box;
@@ -16,14 +17,9 @@ use std::hint::black_box;
 /// Receivers along a side of the floor, and on each body.
 const SIDE: usize = 64;
 
-/// A spiral of equal areas on the unit sphere.
+/// Even directions.
 fn spiral(count: usize) -> impl Iterator<Item = Vec3> {
-    (0..count).map(move |i| {
-        let y = 1.0 - (2.0 * i as f32 + 1.0) / count as f32;
-        let (sin, cos) = (2.399_963 * i as f32).sin_cos();
-        let across = (1.0 - y * y).sqrt();
-        Vec3::new(across * cos, y, across * sin)
-    })
+    golden_spiral(count).map(|direction| DVec3::from(direction).as_vec3())
 }
 
 fn body(name: &str, center: Vec3, spheres: usize, material: &Material) -> Object {

@@ -1,4 +1,4 @@
-//! Adaptive shadow fields \[Tamura2006\]: the visibility that an object leaves is precomputed at points around it, and shading multiplies.
+//! Adaptive shadow fields \[Tamura2006\]: visibility past an object is precomputed at points around it, and shading multiplies.
 //!
 //! Around every object lie concentric shells (section 6: radii 0.2 R (1 + c), c from 0, R that of the object's bounding sphere). At
 //! points on them, by latitude and longitude, an *object occlusion field* holds the visibility that the object leaves, as a
@@ -14,21 +14,25 @@
 //! with * the SH product, ρ̂ the clamped cosine over π and S_d the distant light (figure 3). A local light's *source
 //! radiance field* is known in closed form: a sphere of uniform radiance looks like a cap from everywhere.
 //!
-//! Fields stay in the space of their object; what is read from them is turned into the space of the light, so that objects
-//! may move, turn and change their size. All meshes occlude, those of objects without spheres too.
+//! Fields stay in the space of their object; coefficients read from them are rotated into the space of the light, so that
+//! objects may move, turn and change their size. All meshes occlude, those of objects without spheres too.
+//!
+//! **Phases.** `bake`: fields of every mesh, own occlusion at its vertices. `prepare`: placements of objects and lights, distant
+//! light in the basis, rotations; it ends in plain data. `shade`: receivers by the functions in `kernel`, in either basis (`sh`,
+//! `haar`).
 //!
 //! A glossy receiver has a U of its own for each lobe of its BRDF.
 //!
-//! **Order.** All receivers of an object multiply the others by the distances of their middles. Which of them are before a
-//! local light is decided at each receiver: those whose middle is nearer to it than the light's. A light that holds the
-//! receiver is all around it, and before it is what has its middle in the light; from outside, nothing is that lies in the light
-//! as a whole.
+//! **Order.** All receivers of an object multiply the others by the distances of their centres. Which of them are before a
+//! local light is decided at each receiver: those whose centre is nearer to it than the light's. A light that holds the
+//! receiver is all around it, and objects with their centre in the light are before it; from outside, no object is that lies
+//! in the light as a whole.
 //!
-//! **Bounds.** Every product is held to what `U = V ρ` can be for a visibility V in [0, 1] (`kernel/bounded_product.rs`), and to no
-//! more than before: under constant light radiance lies within [0, unshadowed] and falls with every product, however
-//! many there are. (One more in the midst of them may leave the result brighter, by 0.02 of the unshadowed where that was
-//! seen, since the next product is cut off at other bands.) Under any other light SH ring about a part of the unshadowed, by at most `√(3/16π)` = 0.24 of the
-//! albedo times the light's norm `√∫L²`, and by `√∫c / 2` of the norm for a glossy lobe c of height 1. Haar wavelets are
+//! **Bounds.** Every product is held to what `U = V ρ` can be for a visibility V in [0, 1] (`kernel/bounded_product.rs`), and to
+//! no more than before: under constant light radiance lies within [0, unshadowed] and falls with every product, however many
+//! there are. (One more in the midst of them may leave the result brighter, by 0.02 of the unshadowed where that was seen, since
+//! the next product is cut off at other bands.) Under any other light SH ring about a part of the unshadowed, by at most
+//! `√(3/16π)` = 0.24 of the albedo times the light's norm `√∫L²`, and by `√∫c / 2` of the norm for a glossy lobe c of height 1. Haar wavelets are
 //! held to [0, 1] texel by texel: under any light radiance lies within [0, unshadowed].
 //!
 //! **Beyond the paper.** Shells that neighbours tell go too (`sampling=adaptive-shells`). Three shells within the first, where

@@ -1,6 +1,7 @@
-//! How much of a cell of the mask discs cover, for `leaves=fraction`.
+//! Fractions of cells that discs cover, for `leaves=fraction`, and of a disc that the horizon leaves.
 
 use super::mask::{Cell, Disc};
+use std::f32::consts::{FRAC_1_PI, FRAC_PI_2};
 use wide::f32x8;
 
 /// How much of eight cells of a level discs cover, each as if its edge were straight there and independent of the others':
@@ -23,6 +24,12 @@ pub(crate) fn covered_fractions(cells: &[Cell; 8], discs: &[Disc]) -> f32x8 {
         open *= f32x8::ONE - covered.fast_max(f32x8::ZERO).fast_min(f32x8::splat(most));
     }
     f32x8::ONE - open
+}
+
+/// The fraction of a disc above a line at `height` radii below its centre: [0, 1].
+pub(crate) fn fraction_above(height: f32) -> f32 {
+    let x = height.clamp(-1.0, 1.0);
+    FRAC_1_PI * (x * (1.0 - x * x).sqrt() + x.asin() + FRAC_PI_2)
 }
 
 #[cfg(test)]

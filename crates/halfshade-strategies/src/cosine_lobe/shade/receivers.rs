@@ -12,6 +12,7 @@ use crate::cosine_lobe::{
     bake::tables::Tables,
     kernel::{
         cell_lobes::{CellLobes, Shape, light_lobe},
+        fractions::fraction_above,
         receiver::Receiver,
         spheres::{BoundingSphere, Spheres},
         square::Square,
@@ -22,7 +23,6 @@ use crate::cosine_lobe::{
 use glam::Vec3;
 use halfshade_scene::{RadianceMut, Receivers, light::cap_irradiance};
 use halfshade_sh::lobe::{Lobe, Lobe8};
-use std::f32::consts::{FRAC_1_PI, FRAC_PI_2};
 use wide::f32x8;
 
 /// Receivers for which the spheres in the way of a light are looked up together, and those for whom they are looked up
@@ -295,9 +295,3 @@ impl InTheWay {
 }
 
 const NOTHING: Lobe = Lobe { axis: [0.0, 1.0, 0.0], exponent: 0.0, scale: 0.0 };
-
-/// The fraction of a disc above a line at `height` radii below its centre: [0, 1].
-fn fraction_above(height: f32) -> f32 {
-    let x = height.clamp(-1.0, 1.0);
-    FRAC_1_PI * (x * (1.0 - x * x).sqrt() + x.asin() + FRAC_PI_2)
-}

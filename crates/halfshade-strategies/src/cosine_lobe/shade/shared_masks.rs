@@ -7,8 +7,8 @@
 //!
 //! From one side of a cube to the other, a blocker half way to the light moves before it by the cube's side, which `share`
 //! gives in radii of the light: at `share = 2^(1-depth)` that is one of the mask's finest cells. Blockers near the receiver
-//! move more, so that the shadow of a contact is where sharing errs. A light that is larger than a ball around all that
-//! blocks, like a lamp of the sun's size and distance, counts as that ball's diameter.
+//! move more, so that the shadow of a contact is where sharing errs. A light that is larger than the bounding
+//! sphere of all blockers, like a lamp of the sun's size and distance, counts as that sphere's diameter.
 
 use super::visibility::Hidden;
 use crate::cosine_lobe::kernel::{cell_lobes::CellLobes, receiver::Receiver};
