@@ -4,5 +4,6 @@ mod bad_input;
 mod damaged_meshes;
 mod gltf;
 mod mesh_files;
+mod picture_files;
 mod probe_files;
 mod real_input;
