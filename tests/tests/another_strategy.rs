@@ -112,7 +112,7 @@ contract_tests!(fixed_directions, FixedDirections, "", BOUNDS);
 const EXPERIMENT: &str = r#"
 name = "another"
 claim = "a strategy from outside runs beside the others"
-receivers = "vertices"
+receivers = ["vertices"]
 
 [[scene]]
 name = "scene.toml"
