@@ -113,6 +113,10 @@ const EXPERIMENT: &str = r#"
 name = "another"
 claim = "a strategy from outside runs beside the others"
 receivers = ["vertices"]
+references = ["mesh"]
+
+[truth]
+samples = 256
 
 [[scene]]
 name = "scene.toml"
