@@ -126,7 +126,7 @@ name = "unshadowed"
 
 [[strategy]]
 name = "fixed-directions"
-rings = [4, 8]
+rings = [2, 16]
 "#;
 
 const SCENE: &str = r#"
@@ -170,6 +170,6 @@ fn an_experiment_runs_it_beside_the_others() {
         assert_eq!(run.status, Status::Ok, "{label}: {:?}", run.reason);
         run.error.as_ref().unwrap().metrics.rel_rmse
     };
-    let errors = ["fixed-directions:rings=4", "fixed-directions:rings=8", "unshadowed"].map(error);
+    let errors = ["fixed-directions:rings=16", "fixed-directions:rings=2", "unshadowed"].map(error);
     assert!(errors.is_sorted(), "{errors:?}");
 }
