@@ -71,11 +71,13 @@ impl Baked for Kept {
         let known = self.occlusion.take().filter(|(placement, _)| frame.is_placed_as(placement));
         let (_, occlusion) = self.occlusion.insert(known.unwrap_or_else(|| (frame.placement(), Occlusion::new(frame))));
         let known = self.light.take();
+        let light = self.light.insert(LightSampler::new(frame, known));
+        let share = sampling.cosine_share();
         Ok(Box::new(FrameRays {
             samples,
-            cosine_share: sampling.cosine_share(),
+            cosine_share: if share > 0.0 && light.is_constant() { 1.0 } else { share },
             occlusion,
-            light: self.light.insert(LightSampler::new(frame, known)),
+            light,
             eye_lobes: EyeLobes::new(frame),
         }))
     }

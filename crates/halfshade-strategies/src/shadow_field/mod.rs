@@ -102,7 +102,7 @@ impl Strategy for ShadowField {
             layout: settings.shell_layout(),
             thinning: settings.thinning(),
             source: settings.source(),
-            storage: settings.storage.into(),
+            storage: settings.storage,
         };
         Ok(match settings.basis {
             Basis::Sh => Box::new(ShBaked::new(ShFields::bake(&baking, scene, &settings, progress)?)),

@@ -41,18 +41,6 @@ choice! {
 }
 
 choice! {
-    /// How coefficients are stored.
-    pub(crate) enum StoredAs for Storage {
-        /// 8 bits, as steps above the smallest value
-        U8 = "u8",
-        /// 16 bits
-        F16 = "f16",
-        /// 32 bits
-        F32 = "f32",
-    }
-}
-
-choice! {
     /// How an object's own occlusion meets the cosine.
     pub(crate) enum OwnOcclusion {
         /// projected together
@@ -107,7 +95,7 @@ settings! {
         /// adaptive: mean absolute error of visibility, over all directions, that a sample point may have
         "threshold" => threshold: f64 = 0.010, in 0.0..=1.0;
         /// how coefficients are stored
-        "storage" => storage: StoredAs = StoredAs::U8;
+        "storage" => storage: Storage = Storage::U8;
         /// SH: an object's own occlusion times the cosine
         "own" => own: OwnOcclusion = OwnOcclusion::Product;
         /// Haar: texels along the edges of a cube's face; rounded up to a power of two

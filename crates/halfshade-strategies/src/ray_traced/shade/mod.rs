@@ -29,7 +29,7 @@ impl FrameRays<'_> {
     fn radiance(&self, position: Vec3, normal: Vec3, index: u32) -> Vec3 {
         let light = self.light;
         let axis = normal.as_dvec3().normalize_or(DVec3::Y);
-        let cosine_share = if self.cosine_share > 0.0 && light.is_constant() { 1.0 } else { self.cosine_share };
+        let cosine_share = self.cosine_share;
         let power = light.power(position);
         if power <= 0.0 {
             return Vec3::ZERO;
@@ -59,7 +59,7 @@ impl FrameRays<'_> {
         let (position, normal) = (receivers.position_at(i), receivers.normal_at(i));
         let axis = normal.as_dvec3().normalize_or(DVec3::Y);
         let reflector = Reflector::new(lobes, Lobe::diffuse(receivers.albedo_at(i), normal), axis);
-        let share = if self.cosine_share > 0.0 && light.is_constant() { 1.0 } else { self.cosine_share };
+        let share = self.cosine_share;
         let power = light.power(position);
         if power <= 0.0 {
             return Vec3::ZERO;

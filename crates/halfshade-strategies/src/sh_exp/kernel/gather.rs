@@ -13,7 +13,7 @@
 //! [`Walk::Linear`] sorts the spheres once per receiver and keeps a running sum, from which it takes back the intersecting
 //! neighbours: O(n·m) with m neighbours instead of O(n²/2), as chapter 6 hopes for.
 
-use super::{Blocker, Blockers, Receivers8, traced::Traced};
+use super::{Blocker, Blockers, Receivers8, dot_shared, traced::Traced};
 use crate::sh_exp::settings::{Intersections, Order, Walk};
 use halfshade_sh::{
     form_factor::FormFactorTable,
@@ -133,8 +133,8 @@ impl<const N: usize> Gather<N> {
                 form.iter_mut().skip(1).step_by(2).for_each(|f| *f = -*f);
                 let weights = times_bands(&basis, &form);
                 let radiance = match vectors.as_chunks::<N>().0 {
-                    [grey] => [dot_with(&weights, grey); 3],
-                    channels => std::array::from_fn(|c| dot_with(&weights, &channels[c])),
+                    [grey] => [dot_shared(&weights, grey); 3],
+                    channels => std::array::from_fn(|c| dot_shared(&weights, &channels[c])),
                 };
                 radiance.map(|l| l * f32x8::splat(blocker.reflection_factor))
             });
@@ -354,10 +354,6 @@ fn plus<const N: usize>(a: &ShBatch<N>, b: &ShBatch<N>) -> ShBatch<N> {
     let mut sum = *a;
     sum.iter_mut().zip(b).for_each(|(sum, b)| *sum += *b);
     sum
-}
-
-fn dot_with<const N: usize>(a: &ShBatch<N>, b: &[f32; N]) -> f32x8 {
-    a.iter().zip(b).fold(f32x8::ZERO, |sum, (a, &b)| a.mul_add(f32x8::splat(b), sum))
 }
 
 /// Bits that sort as numbers do, -0 before 0.

@@ -1,5 +1,6 @@
 //! Radiance of objects without spheres, as an affine function of the receiver's place.
 
+use super::dot_shared;
 use crate::shared::vector::dot;
 use halfshade_sh::kernel::{self, ShBatch};
 use wide::f32x8;
@@ -22,11 +23,7 @@ impl GroundField {
         let offset: [f32x8; 3] = std::array::from_fn(|k| position[k] - f32x8::splat(self.center[k]));
         let along = self.axes.map(|axis| dot(&axis.map(f32x8::splat), &offset));
         std::array::from_fn(|channel| {
-            let part = |k: usize| {
-                let coefficients = &self.coefficients[k][channel];
-                let pairs = weights.iter().zip(coefficients);
-                pairs.fold(f32x8::ZERO, |sum, (weight, &value)| weight.mul_add(f32x8::splat(value), sum))
-            };
+            let part = |k: usize| dot_shared(weights, &self.coefficients[k][channel]);
             part(0) + dot(&along, &[part(1), part(2), part(3)])
         })
     }

@@ -14,3 +14,12 @@ pub(crate) mod sun;
 pub(crate) mod traced;
 
 pub(crate) use blocker::{Blocker, Blockers, Receivers8};
+
+use halfshade_sh::kernel::ShBatch;
+use wide::f32x8;
+
+/// `a · b` of eight vectors with one that they share, coefficient by coefficient from the first.
+#[inline(always)]
+fn dot_shared<const N: usize>(a: &ShBatch<N>, b: &[f32]) -> f32x8 {
+    a.iter().zip(b).fold(f32x8::ZERO, |sum, (a, &b)| a.mul_add(f32x8::splat(b), sum))
+}

@@ -6,6 +6,7 @@
 //!
 //! exact unless the horizon cuts the cap, where the mean is taken over all of it.
 
+use super::dot_shared;
 use crate::shared::vector::dot;
 use glam::DVec3;
 use halfshade_scene::light::{Sun, cap_irradiance, is_grey};
@@ -60,10 +61,7 @@ impl SunLight {
         clamp: bool,
         radiance: &mut [f32x8; 3],
     ) {
-        let mut share = f32x8::ZERO;
-        for (value, visible) in self.basis.iter().zip(visibility) {
-            share = visible.mul_add(f32x8::splat(*value), share);
-        }
+        let mut share = dot_shared(visibility, &self.basis);
         if clamp {
             share = share.max(f32x8::ZERO).min(f32x8::ONE);
         }

@@ -11,7 +11,7 @@
 //!
 //! with ρ̂_n the clamped cosine over π in as many bands, and w = 4π over the number of directions.
 
-use super::{Blockers, Receivers8, blocker::Seen};
+use super::{Blockers, Receivers8, blocker::Seen, dot_shared};
 use crate::shared::vector::dot;
 use glam::DVec3;
 use halfshade_sh::kernel::{self, ShBatch};
@@ -73,7 +73,7 @@ impl<const N: usize> Traced<N> {
             if first.simd_lt(f32x8::ZERO).all() {
                 continue;
             }
-            let cosine = brdf.iter().zip(values).fold(f32x8::ZERO, |sum, (b, &y)| b.mul_add(f32x8::splat(y), sum));
+            let cosine = dot_shared(brdf, values);
             for (place, part) in self.parts.iter_mut().enumerate() {
                 *part += first.simd_eq(f32x8::splat(place as f32)).select(cosine, f32x8::ZERO);
             }

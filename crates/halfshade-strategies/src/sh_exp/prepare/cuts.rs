@@ -115,8 +115,9 @@ impl Cuts {
                 let cut = cut(place, radius);
                 centers.push(place.as_vec3());
                 let number = cuts.cuts.len();
-                cuts.coarse
-                    .extend((settings.ratios).then(|| CoarseCut::new(number, &cut, objects, place, normal)).flatten());
+                if settings.ratios {
+                    cuts.coarse.extend(CoarseCut::new(number, &cut, objects, place, normal));
+                }
                 cuts.cuts.push(blockers(&cut));
             }
             cuts.clusters.push(PlacedClusters { object: clusters.clone(), centers, first_cut });
@@ -282,10 +283,9 @@ impl View<'_> {
     /// A sphere, scaled to what its children give at the cluster's centre.
     fn scaled(&self, object: &PlacedObject, level: usize, i: usize) -> Blocker {
         let mut blocker = object.blocker(level, i);
-        let children = &object.levels[level].children[i];
-        if let Some(logs) = self.logs.filter(|_| !children.is_empty()) {
-            let children: Vec<Blocker> =
-                children.iter().map(|&child| object.blocker(level - 1, child as usize)).collect();
+        let is_leaf = object.levels[level].children[i].is_empty();
+        if let Some(logs) = self.logs.filter(|_| !is_leaf) {
+            let children = object.children_of(&blocker);
             let place = self.center.as_vec3().to_array();
             let ratio =
                 halfshade_sh::dispatch_bands!(self.settings.bands, N => ratio::<N>(logs, &blocker, &children, place));

@@ -3,6 +3,7 @@
 use super::bounds::{BoundingCone, BoundingSphere};
 use crate::shared::triangle_rays::{Start, TriangleRays};
 use glam::Vec3;
+use halfshade_strategy::choice;
 use serde::{Deserialize, Serialize};
 
 /// A basis of functions of direction: spherical harmonics or Haar wavelets.
@@ -31,11 +32,15 @@ pub(crate) trait Basis: Sync {
     }
 }
 
-/// How coefficients are stored.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum Storage {
-    /// A number of steps above the smallest value.
-    U8,
-    F16,
-    F32,
+choice! {
+    /// How coefficients are stored.
+    #[derive(Serialize, Deserialize)]
+    pub(crate) enum Storage {
+        /// 8 bits, as steps above the smallest value
+        U8 = "u8",
+        /// 16 bits
+        F16 = "f16",
+        /// 32 bits
+        F32 = "f32",
+    }
 }

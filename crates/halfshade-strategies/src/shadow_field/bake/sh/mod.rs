@@ -22,21 +22,12 @@ use projection::ShBasis;
 use shell::ShShell;
 use std::f32::consts::FRAC_1_PI;
 
-/// The form in which own occlusion is kept.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum OwnKind {
-    /// Occlusion above the vertex, to be multiplied with ρ̂ when shading [Tamura2006, figure 3].
-    Blocked,
-    /// Visibility times the cosine over π, projected as it is; for receivers that are vertices.
-    Transfer,
-}
-
 /// Fields of the scene's objects, and tables.
 pub(crate) struct ShFields {
     pub(crate) bands: usize,
     pub(crate) source: Source,
     pub(crate) basis: ShBasis,
-    pub(crate) own_kind: OwnKind,
+    pub(crate) own_kind: OwnOcclusion,
     pub(crate) table: BlockerTable,
     /// Clamped cosine over π by band, times the rotation's factor: ρ̂.
     pub(crate) cosine: Vec<f32>,
@@ -55,11 +46,8 @@ impl ShFields {
         let bands = settings.bands;
         let table = BlockerTable::build(bands, Quantity::BlockerMinusOne)
             .ok_or_else(|| StrategyError::Failed(format!("{bands} bands: there are kernels for 1 to 8")))?;
-        let own_kind = match settings.own {
-            OwnOcclusion::Projected => OwnKind::Transfer,
-            OwnOcclusion::Product => OwnKind::Blocked,
-        };
-        if scene.is_glossy() && (own_kind == OwnKind::Transfer || baking.source == Source::Together) {
+        let own_kind = settings.own;
+        if scene.is_glossy() && (own_kind == OwnOcclusion::Projected || baking.source == Source::Together) {
             let problem =
                 "own=projected and sampling=together hold the diffuse cosine; glossy reflectance needs others";
             return Err(StrategyError::Unsupported(problem.into()));
@@ -81,11 +69,11 @@ impl ShFields {
             Ok(Field::new(&basis, &projected, baking.thinning, baking.storage))
         };
         let own = |mesh: &MeshRays<'_>| {
-            let key = key("own-occlusion-sh", mesh.mesh).value(&(own_kind == OwnKind::Transfer));
+            let key = key("own-occlusion-sh", mesh.mesh).value(&(own_kind == OwnOcclusion::Projected));
             let fits = |found: &Vec<f32>| are_values(found, mesh.mesh.positions.len() * bands * bands);
             baking.cached(&key, fits, (0, progress), || match own_kind {
-                OwnKind::Blocked => own_blocked(&basis, (mesh.mesh, mesh.get())).concat(),
-                OwnKind::Transfer => own_transfer(&basis, (mesh.mesh, mesh.get())).concat(),
+                OwnOcclusion::Product => own_blocked(&basis, (mesh.mesh, mesh.get())).concat(),
+                OwnOcclusion::Projected => own_transfer(&basis, (mesh.mesh, mesh.get())).concat(),
             })
         };
         let objects = baking.every_object(scene, progress, field, own)?;

@@ -2,12 +2,12 @@
 
 use super::batch::Batch;
 use crate::shadow_field::{
-    bake::sh::OwnKind,
     kernel::{
         reconstruct::{MOST, transposed},
         rotate::{rotated, visible},
     },
     prepare::sh::ShPrepared,
+    settings::OwnOcclusion,
 };
 use glam::Vec3;
 use halfshade_sh::kernel::{LANES, ShBatch};
@@ -36,8 +36,8 @@ pub(crate) fn own<const N: usize>(prepared: &ShPrepared<'_>, batch: &Batch<'_>) 
     }
     let vector = rotated(&vector.map(f32x8::from), &prepared.frame.rotations[batch.object]);
     match prepared.fields.own_kind {
-        OwnKind::Blocked => Own::Visible(visible(&vector)),
-        OwnKind::Transfer => Own::Transfer(vector, f32x8::from(found).simd_gt(f32x8::ZERO)),
+        OwnOcclusion::Product => Own::Visible(visible(&vector)),
+        OwnOcclusion::Projected => Own::Transfer(vector, f32x8::from(found).simd_gt(f32x8::ZERO)),
     }
 }
 
