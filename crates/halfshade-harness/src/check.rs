@@ -270,6 +270,7 @@ mod tests {
         results::{Status, tests::example},
         traced::Traced,
     };
+    use rayon::prelude::*;
 
     fn changed(change: impl Fn(&mut Metrics)) -> Results {
         let mut results = example();
@@ -404,7 +405,7 @@ mod tests {
 
     /// A whole experiment on real traces: every scene and strategy against a seed of the truth, with errors `strength`
     /// times as large as they are.
-    fn measured(scenes: &[(Traced, Reference)], strength: f32) -> Results {
+    fn measured(scenes: &[(&Traced, Reference)], strength: f32) -> Results {
         let mut results = example();
         let blank = results.runs[0].clone();
         results.runs.clear();
@@ -427,16 +428,16 @@ mod tests {
     #[expect(clippy::print_stdout, reason = "shown with --nocapture: both rates")]
     fn other_seeds_of_the_truth_raise_no_alarm_and_growth_by_a_twentieth_is_found() {
         const SEEDS: u64 = 100;
-        let mut scenes: Vec<(Traced, Reference)> =
-            Traced::all().into_iter().map(|traced| (traced.reference(0), traced)).map(|(a, b)| (b, a)).collect();
-        let baseline = measured(&scenes, 1.0);
+        let scenes = Traced::all();
+        let seen_with = |seed| scenes.iter().map(|traced| (traced, traced.reference(seed))).collect::<Vec<_>>();
+        let baseline = measured(&seen_with(0), 1.0);
         let figures = compare(&baseline, &baseline).unwrap().figures;
-        let (mut alarms, mut missed) = (0, 0);
-        for seed in 1..=SEEDS {
-            scenes.iter_mut().for_each(|(traced, reference)| *reference = traced.reference(seed));
-            alarms += usize::from(compare(&measured(&scenes, 1.0), &baseline).unwrap().failures > 0);
-            missed += usize::from(compare(&measured(&scenes, 1.05), &baseline).unwrap().failures == 0);
-        }
+        let failures = |seen: &[_], strength| compare(&measured(seen, strength), &baseline).unwrap().failures;
+        let (alarms, missed) = (1..=SEEDS)
+            .into_par_iter()
+            .map(|seed| seen_with(seed))
+            .map(|seen| (usize::from(failures(&seen, 1.0) > 0), usize::from(failures(&seen, 1.05) == 0)))
+            .reduce(|| (0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
         println!("of {SEEDS} seeds, {figures} figures each: {alarms} false alarms, {missed} missed growths by 5 %");
         assert!(alarms <= 1 && missed == 0, "{alarms} false alarms, {missed} missed");
     }

@@ -236,6 +236,8 @@ impl Journal {
 mod tests {
     use super::*;
     use crate::results;
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64Mcg;
 
     fn header() -> Header {
         Header {
@@ -389,11 +391,8 @@ mod tests {
         let written: Vec<Entry> = (0..9).map(timed).chain(entries()).collect();
         written.iter().for_each(|entry| journal.append(entry).unwrap());
         let sound = std::fs::read(&path).unwrap();
-        let mut state = 0x9e37_79b9_7f4a_7c15_u64;
-        let mut random = |below: usize| {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 33) as usize % below.max(1)
-        };
+        let mut rng = Pcg64Mcg::seed_from_u64(1);
+        let mut random = |below: usize| rng.random_range(0..below.max(1));
         let mut refused = 0;
         for _ in 0..3000 {
             let mut bytes = sound.clone();

@@ -151,6 +151,8 @@ fn compare_weighted(radiance: &RadianceBuffer, reference: &Reference, weights: &
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64Mcg;
     use std::sync::Arc;
 
     fn buffer(values: &[[f32; 3]]) -> RadianceBuffer {
@@ -161,14 +163,10 @@ mod tests {
         Arc::new(ReceiverWeights::equal(count))
     }
 
-    /// Deterministic, nearly normal: the sum of 12 uniform numbers of a multiplicative generator, minus 6.
+    /// Deterministic, nearly normal: the sum of 12 uniform numbers, minus 6.
     fn normals(count: usize, seed: u64) -> Vec<f64> {
-        let mut state = seed;
-        let mut uniform = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1u64 << 53) as f64
-        };
-        (0..count).map(|_| (0..12).map(|_| uniform()).sum::<f64>() - 6.0).collect()
+        let mut rng = Pcg64Mcg::seed_from_u64(seed);
+        (0..count).map(|_| (0..12).map(|_| rng.random_range(0.0..1.0)).sum::<f64>() - 6.0).collect()
     }
 
     /// Radiance 1 seen through noise that all channels share, with its draws.

@@ -143,6 +143,7 @@ fn random(round: u64, receiver: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use crate::{metrics::compare, traced::Traced};
+    use rayon::prelude::*;
 
     const SEEDS: usize = 60;
     const FIGURES: [&str; 6] = ["rmse", "bias", "mae", "p95", "p99", "max"];
@@ -152,10 +153,10 @@ mod tests {
     #[expect(clippy::print_stdout, reason = "shown with --nocapture: the rates themselves")]
     fn what_is_claimed_covers_what_other_seeds_give() {
         for traced in Traced::all() {
-            let references: Vec<_> = (0..SEEDS as u64).map(|seed| traced.reference(seed)).collect();
+            let references: Vec<_> = (0..SEEDS as u64).into_par_iter().map(|seed| traced.reference(seed)).collect();
             for (strategy, radiance) in traced.strategies() {
                 let all: Vec<[(f64, f64); 6]> = references
-                    .iter()
+                    .par_iter()
                     .map(|reference| {
                         let m = compare(&radiance, reference).unwrap();
                         let noise =

@@ -2,6 +2,8 @@
 
 use glam::Vec3;
 use halfshade_scene::{Environment, Mesh, Object, Pose, Scene, Sphere, SphereSet, builtin::shapes};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
 use std::sync::Arc;
 
 /// No objects.
@@ -29,9 +31,6 @@ pub(crate) fn with_spheres(environment: Environment, spheres: &[Sphere]) -> Scen
 
 /// Numbers in [-1, 1), the same for the same seed.
 pub(crate) fn random(seed: u64) -> impl FnMut() -> f32 {
-    let mut state = seed.wrapping_mul(2_654_435_761).wrapping_add(7);
-    move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 40) as f32 / (1u64 << 24) as f32 * 2.0 - 1.0
-    }
+    let mut rng = Pcg64Mcg::seed_from_u64(seed);
+    move || rng.random_range(-1.0..1.0)
 }

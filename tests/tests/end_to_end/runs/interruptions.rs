@@ -2,6 +2,8 @@
 
 use super::{EXPERIMENT, found, long, prepared, results, start, started};
 use crate::common::{halfshade, names, refused, stdout, write};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
 use serde_json::Value;
 use std::{fs, process::Command, time::Duration};
 
@@ -43,11 +45,8 @@ fn twenty_kills_at_any_moment_change_no_error() {
     let whole = begun.elapsed();
     let expected = found(here.path());
     fs::remove_dir_all(here.path().join("out")).unwrap();
-    let mut state = 0x2545_f491_4f6c_dd1d_u64;
-    let mut random = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 40) as f64 / (1_u64 << 24) as f64
-    };
+    let mut rng = Pcg64Mcg::seed_from_u64(1);
+    let mut random = || rng.random_range(0.0..1.0);
     let mut finished = 0;
     for _ in 0..20 {
         let mut child = start(here.path(), &["run", "small.toml", "--resume"]);
