@@ -1,4 +1,5 @@
-//! Writes the straight-line f32 kernels (basis, lobe accumulation, product, square) for 1 to 8 bands.
+//! Writes the straight-line f32 kernels (basis, lobe accumulation, product, square): in Rust for 1 to 8 bands, in WGSL for
+//! 1 to 6.
 //!
 //! The tripling coefficients come from the same file that the f64 reference uses, so the two cannot drift apart.
 //! Fully unrolled code is what lets a product run at a few hundred fused multiply-adds without an index in sight.
@@ -18,6 +19,12 @@ fn main() {
         println!("cargo::rerun-if-changed={input}");
     }
     let folder = std::env::var_os("OUT_DIR").expect("cargo sets OUT_DIR");
-    let path = Path::new(&folder).join("kernels.rs");
-    std::fs::write(&path, generate::kernels(8)).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let write = |name: &str, text: String| {
+        let path = Path::new(&folder).join(name);
+        std::fs::write(&path, text).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    };
+    write("kernels.rs", generate::rust(8));
+    for bands in 1..=6 {
+        write(&format!("sh_{bands}.wgsl"), generate::wgsl(bands));
+    }
 }

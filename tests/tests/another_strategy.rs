@@ -157,6 +157,7 @@ fn an_experiment_runs_it_beside_the_others() {
     let experiment = Experiment::parse(EXPERIMENT, &folder.path().join("another.toml")).unwrap();
     let tools = run::Tools {
         strategies: &strategies,
+        graphics: None,
         band_limit: &|environment, _| environment.clone(),
         cache: &cache,
         progress: &Silent,

@@ -435,7 +435,7 @@ mod tests {
         let failures = |seen: &[_], strength| compare(&measured(seen, strength), &baseline).unwrap().failures;
         let (alarms, missed) = (1..=SEEDS)
             .into_par_iter()
-            .map(|seed| seen_with(seed))
+            .map(seen_with)
             .map(|seen| (usize::from(failures(&seen, 1.0) > 0), usize::from(failures(&seen, 1.05) == 0)))
             .reduce(|| (0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
         println!("of {SEEDS} seeds, {figures} figures each: {alarms} false alarms, {missed} missed growths by 5 %");

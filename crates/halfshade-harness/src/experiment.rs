@@ -4,6 +4,7 @@
 //! name = "soft-shadows"
 //! claim = "what the experiment tests, in a sentence"
 //! frames = [0]                       # default [0]; a scene may have its own
+//! devices = ["cpu"]                  # and/or "gpu": the graphics device; default cpu
 //! receivers = ["vertices"]           # and/or "pixels"; default vertices
 //! references = ["mesh", "spheres", "bands"]   # default ["mesh"]; see `ReferenceKind`
 //! weights = "area"                   # vertices count by the area around them; or "equal": all alike. Default area
@@ -47,7 +48,7 @@ mod kinds;
 
 pub use kinds::{ReceiverKind, ReferenceKind};
 
-use crate::{HarnessError, Weighting};
+use crate::{Device, HarnessError, Weighting};
 use halfshade_scene::text;
 use serde::{Deserialize, Serialize};
 use std::{
@@ -69,6 +70,9 @@ pub struct Experiment {
     /// Frames of every scene that doesn't say otherwise.
     #[serde(default = "first_frame", deserialize_with = "fields::distinct")]
     pub frames: Vec<usize>,
+    /// Devices that strategies run on.
+    #[serde(default = "processor", deserialize_with = "fields::distinct")]
+    pub devices: Vec<Device>,
     /// Points that are scored.
     #[serde(default = "vertices", deserialize_with = "fields::distinct")]
     pub receivers: Vec<ReceiverKind>,
@@ -205,6 +209,10 @@ fn first_frame() -> Vec<usize> {
 
 fn vertices() -> Vec<ReceiverKind> {
     vec![ReceiverKind::Vertices]
+}
+
+fn processor() -> Vec<Device> {
+    vec![Device::Cpu]
 }
 
 fn mesh_only() -> Vec<ReferenceKind> {

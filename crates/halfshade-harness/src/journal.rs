@@ -96,9 +96,7 @@ impl Entry {
     fn not_finite(&self) -> Option<String> {
         match self {
             Self::Scored(runs) => runs.iter().find_map(|run| Some(format!("{} of {}", run.not_finite()?, run.key()))),
-            Self::Timed { key, sample } => {
-                (!(sample.prepare_secs + sample.shade_secs).is_finite()).then(|| format!("time of {key}"))
-            }
+            Self::Timed { key, sample } => (!sample.sum_secs().is_finite()).then(|| format!("time of {key}")),
             Self::Pictured { files, similarity: Similarity { flip, ssim }, .. } => {
                 let is_finite = [flip, ssim].into_iter().flatten().all(|value| value.is_finite());
                 files.not_finite().or_else(|| (!is_finite).then(|| format!("similarity of {}", files.png)))
@@ -259,7 +257,7 @@ mod tests {
     fn entries() -> Vec<Entry> {
         let run = results::tests::example().runs.remove(0);
         // Read without care for the last bit, the first of these would come back as its neighbour.
-        let sample = Sample { prepare_secs: 3.3300000000000005e-7, shade_secs: 0.1 + 0.2 };
+        let sample = Sample::new(3.3300000000000005e-7, 0.1 + 0.2);
         vec![Entry::Timed { key: run.key(), sample }, Entry::Scored(vec![run])]
     }
 
@@ -365,7 +363,7 @@ mod tests {
             },
             similarity: Similarity::default(),
         };
-        let slow = Entry::Timed { key: "k".into(), sample: Sample { prepare_secs: f64::MAX, shade_secs: f64::MAX } };
+        let slow = Entry::Timed { key: "k".into(), sample: Sample::new(f64::MAX, f64::MAX) };
         for (entry, what) in [(pictured(f32::INFINITY), "exposure of a.png"), (slow.clone(), "time of k")] {
             let error = journal.append(&entry).unwrap_err().to_string();
             assert!(error.contains(what), "{error}");
@@ -384,10 +382,8 @@ mod tests {
         let path = folder.path().join("journal.jsonl");
         let mut journal = Journal::create(&path, &header()).unwrap();
         let run = results::tests::example().runs.remove(0);
-        let timed = |n: u32| Entry::Timed {
-            key: run.key(),
-            sample: Sample { prepare_secs: f64::from(n) / 7.0, shade_secs: f64::from(n) / 3.0 },
-        };
+        let timed =
+            |n: u32| Entry::Timed { key: run.key(), sample: Sample::new(f64::from(n) / 7.0, f64::from(n) / 3.0) };
         let written: Vec<Entry> = (0..9).map(timed).chain(entries()).collect();
         written.iter().for_each(|entry| journal.append(entry).unwrap());
         let sound = std::fs::read(&path).unwrap();

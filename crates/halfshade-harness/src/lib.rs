@@ -5,6 +5,7 @@
 pub mod check;
 pub mod classes;
 pub mod clock;
+pub mod device;
 pub mod error;
 pub mod errors;
 pub mod experiment;
@@ -40,6 +41,7 @@ mod toy;
 mod traced;
 
 pub use clock::{Clock, SystemClock};
+pub use device::{Device, GraphicsDevice};
 pub use error::HarnessError;
 pub use errors::Reference;
 pub use experiment::{Experiment, Published, ReceiverKind, ReferenceKind};

@@ -1,10 +1,11 @@
 //! The machine that a measurement ran on.
 
-use crate::results::Machine;
+use crate::{GraphicsDevice, results::Machine};
 
-/// Processor, threads and operating system.
-pub fn describe(threads: usize) -> Machine {
-    Machine { cpu: cpu(), threads, gpu: None, os: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH) }
+/// Processor, threads, the graphics device if one is used, and operating system.
+pub fn describe(threads: usize, graphics: Option<&GraphicsDevice>) -> Machine {
+    let gpu = graphics.map(|graphics| graphics.description.clone());
+    Machine { cpu: cpu(), threads, gpu, os: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH) }
 }
 
 fn cpu() -> String {

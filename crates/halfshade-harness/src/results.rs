@@ -6,8 +6,8 @@ mod file;
 mod validity;
 
 use crate::{
-    Published, ReceiverKind, classes::ClassError, image_metrics::Similarity, metrics::Metrics, statistics::Spread,
-    weights::Weighting,
+    Device, Published, ReceiverKind, classes::ClassError, image_metrics::Similarity, metrics::Metrics,
+    statistics::Spread, weights::Weighting,
 };
 use halfshade_scene::InputFile;
 use serde::{Deserialize, Serialize};
@@ -103,6 +103,9 @@ pub struct Run {
     pub receiver_count: usize,
     /// Strategy name, or `reference` for a reference compared with the mesh's.
     pub strategy: String,
+    /// The device that it ran on; the processor, where nothing is said.
+    #[serde(default, skip_serializing_if = "Device::is_cpu")]
+    pub device: Device,
     /// Name and the parameters set by hand.
     pub label: String,
     /// All parameters.
@@ -201,6 +204,12 @@ pub struct TimeFigures {
     pub prepare_secs: Option<Spread>,
     /// Per frame: all receivers; absent without `[timing]`.
     pub shade_secs: Option<Spread>,
+    /// Per frame: copying radiance from a device with memory of its own; absent of others.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub read_back_secs: Option<Spread>,
+    /// Per frame: shading by the device's own clock; absent where it has none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub device_secs: Option<Spread>,
     /// 1 / median of prepare + shade.
     pub frames_per_sec: Option<f64>,
     /// Threads used.
@@ -216,6 +225,12 @@ pub struct Sample {
     pub prepare_secs: f64,
     /// Seconds to shade all receivers.
     pub shade_secs: f64,
+    /// Seconds to copy radiance from a device with memory of its own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub read_back_secs: Option<f64>,
+    /// Seconds to shade by the device's own clock.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub device_secs: Option<f64>,
 }
 
 /// Memory of a run.
@@ -250,7 +265,8 @@ impl Run {
     /// Identity of the measured work: everything but the reference.
     pub fn key(&self) -> String {
         let params: Vec<String> = self.params.iter().map(|(key, value)| format!("{key}={value}")).collect();
-        format!("{}/{}/{}/{}:{}", self.scene, self.frame, self.receivers, self.strategy, params.join(","))
+        let device = if self.device.is_cpu() { String::new() } else { format!("@{}", self.device) };
+        format!("{}/{}/{}/{}{device}:{}", self.scene, self.frame, self.receivers, self.strategy, params.join(","))
     }
 
     /// Strategy, receivers, scene and frame, for people.
@@ -269,15 +285,32 @@ impl Run {
     }
 }
 
+impl Sample {
+    /// Of a frame on the processor.
+    pub fn new(prepare_secs: f64, shade_secs: f64) -> Self {
+        Self { prepare_secs, shade_secs, read_back_secs: None, device_secs: None }
+    }
+
+    /// Sum of all that was measured: finite if all of it is.
+    pub fn sum_secs(&self) -> f64 {
+        self.prepare_secs + self.shade_secs + self.read_back_secs.unwrap_or(0.0) + self.device_secs.unwrap_or(0.0)
+    }
+}
+
 impl TimeFigures {
     /// Figures of `samples`.
     pub fn of(bake_secs: f64, threads: usize, samples: Vec<Sample>) -> Self {
         let spread = |part: &dyn Fn(&Sample) -> f64| Spread::of(&samples.iter().map(part).collect::<Vec<_>>());
         let whole = spread(&|sample| sample.prepare_secs + sample.shade_secs);
+        let of_device = |part: &dyn Fn(&Sample) -> Option<f64>| {
+            Spread::of(&samples.iter().map(part).collect::<Option<Vec<_>>>().unwrap_or_default())
+        };
         Self {
             bake_secs,
             prepare_secs: spread(&|sample| sample.prepare_secs),
             shade_secs: spread(&|sample| sample.shade_secs),
+            read_back_secs: of_device(&|sample| sample.read_back_secs),
+            device_secs: of_device(&|sample| sample.device_secs),
             frames_per_sec: whole.filter(|whole| whole.median > 0.0).map(|whole| whole.median.recip()),
             threads,
             samples,

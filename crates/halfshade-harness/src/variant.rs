@@ -1,6 +1,6 @@
 //! Strategies with their parameters set: from a SPEC such as `sh-exp:bands=4`, or from the sweeps of an experiment.
 
-use crate::{Experiment, HarnessError};
+use crate::{Device, Experiment, HarnessError};
 use halfshade_strategy::{Params, Strategy};
 
 /// One strategy with every parameter set.
@@ -12,6 +12,8 @@ pub struct Variant {
     pub name: String,
     /// All parameters.
     pub params: Params,
+    /// The device that it runs on.
+    pub device: Device,
     /// Name, preset and the parameters that were set by hand: what users read.
     pub label: String,
 }
@@ -35,13 +37,20 @@ impl Variant {
         });
         let set: Vec<String> = presets.map(str::to_owned).chain(set).collect();
         let label = if set.is_empty() { name.to_owned() } else { format!("{name}:{}", set.join(",")) };
-        Ok(Self { strategy, name: name.to_owned(), params, label })
+        Ok(Self { strategy, name: name.to_owned(), params, device: Device::Cpu, label })
+    }
+
+    /// The same on another device.
+    pub fn on(&self, device: Device) -> Self {
+        let label = if device.is_cpu() { self.label.clone() } else { format!("{} on {device}", self.label) };
+        Self { device, label, ..self.clone() }
     }
 
     /// Name and all parameters: the same for the same work, however it was written.
     pub fn key(&self) -> String {
         let all: Vec<String> = self.params.iter().map(|(key, value)| format!("{key}={value}")).collect();
-        format!("{}:{}", self.name, all.join(","))
+        let device = if self.device.is_cpu() { String::new() } else { format!("@{}", self.device) };
+        format!("{}{device}:{}", self.name, all.join(","))
     }
 
     /// The parameter `bands`, where the strategy has one.

@@ -1,4 +1,4 @@
-//! Straight-line Rust for the kernels, generic over the lane type.
+//! Straight-line code for the kernels: in Rust, generic over the lane type, and in WGSL, for one receiver per invocation.
 
 use crate::recurrence::{legendre_step, sectoral_constant};
 use crate::tripling::{self, Triple};
@@ -6,17 +6,16 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
 use std::fmt::Write;
 
-/// Bands up to which products are unrolled. Beyond, the optimizer takes minutes over tens of thousands of
+/// Bands up to which products are unrolled in Rust. Beyond, the optimizer takes minutes over tens of thousands of
 /// operations, so the products walk a table of the same groups instead.
 const UNROLLED_BANDS: usize = 4;
 
-/// Kernels for 1 to `max_bands` bands.
-pub(crate) fn kernels(max_bands: usize) -> String {
+/// Kernels in Rust for 1 to `max_bands` bands.
+pub(crate) fn rust(max_bands: usize) -> String {
     let all = tripling::distinct(max_bands);
-    let mut code = String::new();
+    let mut code = Code::new(Dialect::Rust);
     for bands in 1..=max_bands {
-        let triples: Vec<Triple> = all.iter().filter(|t| t.k < bands * bands).copied().collect();
-        let groups = factor(&triples);
+        let groups = factor(&of_bands(&all, bands));
         basis(&mut code, bands);
         if bands <= UNROLLED_BANDS {
             product(&mut code, bands, &groups);
@@ -25,15 +24,113 @@ pub(crate) fn kernels(max_bands: usize) -> String {
             table(&mut code, bands, &groups);
         }
     }
-    code
+    code.text
 }
 
-fn line(code: &mut String, text: std::fmt::Arguments<'_>) {
-    writeln!(code, "    {text}").expect("writing to a string");
+/// A WGSL module of kernels for `bands` bands: `Sh`, an SH vector, and functions `sh_..` of it.
+pub(crate) fn wgsl(bands: usize) -> String {
+    let groups = factor(&of_bands(&tripling::distinct(bands), bands));
+    let mut code = Code::new(Dialect::Wgsl);
+    let count = bands * bands;
+    write!(
+        code.text,
+        "// Written by the build script of halfshade-sh: {bands} bands.\nconst SH_BANDS = {bands}u;\n\
+         const SH_COUNT = {count}u;\nalias Sh = array<f32, {count}>;\nalias ShBands = array<f32, {bands}>;\n"
+    )
+    .expect("writing to a string");
+    basis(&mut code, bands);
+    product(&mut code, bands, &groups);
+    square(&mut code, bands, &groups);
+    elementwise(&mut code, bands);
+    code.text
 }
 
-macro_rules! line {
-    ($code:expr, $($text:tt)*) => { line($code, format_args!($($text)*)) };
+fn of_bands(all: &[Triple], bands: usize) -> Vec<Triple> {
+    all.iter().filter(|t| t.k < bands * bands).copied().collect()
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Dialect {
+    Rust,
+    Wgsl,
+}
+
+/// Code in the making. Names may be bound again, as Rust allows: WGSL assigns to the same variable.
+struct Code {
+    dialect: Dialect,
+    text: String,
+    /// Names that the function at hand has declared.
+    declared: BTreeSet<String>,
+}
+
+impl Code {
+    fn new(dialect: Dialect) -> Self {
+        Self { dialect, text: String::new(), declared: BTreeSet::new() }
+    }
+
+    fn line(&mut self, text: &str) {
+        writeln!(self.text, "    {text}").expect("writing to a string");
+    }
+
+    /// Begins a function of vectors of `count` coefficients; `arguments` and the result are in the words of the dialect.
+    fn open(&mut self, name: &str, bands: usize, rust: &str, wgsl: &str) {
+        self.declared.clear();
+        let count = bands * bands;
+        match self.dialect {
+            Dialect::Rust => {
+                writeln!(self.text, "#[inline(always)]\nfn {name}_{bands}<L: Lane>({rust}) -> [L; {count}] {{")
+            }
+            Dialect::Wgsl => writeln!(self.text, "fn sh_{name}({wgsl}) -> Sh {{"),
+        }
+        .expect("writing to a string");
+    }
+
+    /// Ends a function whose result is in h0, h1, ..
+    fn close(&mut self, bands: usize) {
+        let list: Vec<String> = (0..bands * bands).map(|i| format!("h{i}")).collect();
+        let list = list.join(", ");
+        self.line(&match self.dialect {
+            Dialect::Rust => format!("[{list}]"),
+            Dialect::Wgsl => format!("return Sh({list});"),
+        });
+        self.text.push_str("}\n");
+    }
+
+    /// `name = value`.
+    fn bind(&mut self, name: &str, value: &str) {
+        let is_new = self.declared.insert(name.to_owned());
+        let keyword = match self.dialect {
+            Dialect::Rust => "let ",
+            Dialect::Wgsl if is_new => "var ",
+            Dialect::Wgsl => "",
+        };
+        self.line(&format!("{keyword}{name} = {value};"));
+    }
+
+    fn constant(&self, value: f64) -> String {
+        match self.dialect {
+            Dialect::Rust => format!("L::constant({value:e})"),
+            Dialect::Wgsl => format!("{:e}f", value as f32),
+        }
+    }
+
+    /// `a·b + c`.
+    fn mul_add(&self, a: &str, b: &str, c: &str) -> String {
+        match self.dialect {
+            Dialect::Rust => format!("{a}.mul_add({b}, {c})"),
+            // Compilers of shaders fuse it where the hardware can.
+            Dialect::Wgsl => format!("{a} * {b} + {c}"),
+        }
+    }
+
+    /// Binds `name` to `a·b` the first time, to `a·b + name` after.
+    fn accumulate(&mut self, started: &mut BTreeSet<String>, name: &str, a: &str, b: &str) {
+        let value = match started.insert(name.to_owned()) {
+            true => format!("{a} * {b}"),
+            false => self.mul_add(a, b, name),
+        };
+        self.bind(name, &value);
+    }
 }
 
 /// The triples that share the pair `(i, j)`: `(k, coefficient)`. With `i == j` the pair is a square.
@@ -85,42 +182,20 @@ fn factor(triples: &[Triple]) -> Vec<Group> {
     groups
 }
 
-/// Emits `h_at = a·b + h_at`, or `h_at = a·b` the first time.
-fn accumulate(code: &mut String, started: &mut BTreeSet<String>, name: &str, a: &str, b: &str) {
-    if started.insert(name.to_owned()) {
-        line!(code, "let {name} = {a} * {b};");
-    } else {
-        line!(code, "let {name} = {a}.mul_add({b}, {name});");
-    }
-}
-
-fn open_function(code: &mut String, name: &str, bands: usize, arguments: &[&str]) {
-    let count = bands * bands;
-    let list: Vec<String> = arguments.iter().map(|a| format!("{a}: &[L; {count}]")).collect();
-    writeln!(code, "#[inline(always)]\nfn {name}_{bands}<L: Lane>({}) -> [L; {count}] {{", list.join(", "))
-        .expect("writing to a string");
-}
-
-fn close_function(code: &mut String, bands: usize, constant_scale: bool) {
-    if constant_scale {
-        line!(code, "let h0 = h0 * L::constant({:e});", dc_scale());
-    }
-    let list: Vec<String> = (0..bands * bands).map(|i| format!("h{i}")).collect();
-    line!(code, "[{}]", list.join(", "));
-    code.push_str("}\n");
-}
-
 /// `Γ_0jj = 1/sqrt(4π)`: shared by all squares, so it is multiplied once into f_0 and g_0 and once into h_0.
 fn dc_scale() -> f64 {
     1.0 / (4.0 * PI).sqrt()
 }
 
-/// `h = f*g`. Per pair (i, j): with `s = Σ c_k f_k`, `t = Σ c_k g_k`, `h_i += s g_j + t f_j`, `h_j += s g_i + t f_i`,
-/// `h_k += c_k (f_i g_j + f_j g_i)`; half of that for squares.
-fn product(code: &mut String, bands: usize, groups: &[Group]) {
-    open_function(code, "product", bands, &["f", "g"]);
+/// `h = f*g`: per pair of indices (i, j), with `s = Σ c_k f_k` and `t = Σ c_k g_k`, `h_i += s g_j + t f_j`,
+/// `h_j += s g_i + t f_i`, `h_k += c_k (f_i g_j + f_j g_i)`; half of that for squares.
+fn product(code: &mut Code, bands: usize, groups: &[Group]) {
+    let count = bands * bands;
+    code.open("product", bands, &format!("f: &[L; {count}], g: &[L; {count}]"), "f: Sh, g: Sh");
     if bands > 1 {
-        line!(code, "let (f0, g0) = (f[0] * L::constant({0:e}), g[0] * L::constant({0:e}));", dc_scale());
+        let scale = code.constant(dc_scale());
+        code.bind("f0", &format!("f[0] * {scale}"));
+        code.bind("g0", &format!("g[0] * {scale}"));
     }
     let mut started = BTreeSet::new();
     for Group { i, j, thirds } in groups {
@@ -129,33 +204,37 @@ fn product(code: &mut String, bands: usize, groups: &[Group]) {
         for &(k, value) in thirds.iter().filter(|(k, _)| !(is_square && *k == i)) {
             for (name, factor) in [("s", "f"), ("t", "g")] {
                 if k == 0 {
-                    line!(code, "let {name} = {factor}0;");
+                    code.bind(name, &format!("{factor}0"));
                     local.insert(name.to_owned());
                 } else {
-                    let (constant, term) = (format!("L::constant({value:e})"), format!("{factor}[{k}]"));
-                    accumulate(code, &mut local, name, &term, &constant);
+                    let constant = code.constant(value);
+                    code.accumulate(&mut local, name, &format!("{factor}[{k}]"), &constant);
                 }
             }
         }
         let ends = if is_square { vec![(i, j)] } else { vec![(i, j), (j, i)] };
         for (to, other) in ends.iter().filter(|_| !local.is_empty()) {
-            accumulate(code, &mut started, &format!("h{to}"), "s", &format!("g[{other}]"));
-            accumulate(code, &mut started, &format!("h{to}"), "t", &format!("f[{other}]"));
+            code.accumulate(&mut started, &format!("h{to}"), "s", &format!("g[{other}]"));
+            code.accumulate(&mut started, &format!("h{to}"), "t", &format!("f[{other}]"));
         }
-        line!(code, "let p = f[{i}] * g[{j}];");
+        code.bind("p", &format!("f[{i}] * g[{j}]"));
         if !is_square {
-            line!(code, "let p = f[{j}].mul_add(g[{i}], p);");
+            let both = code.mul_add(&format!("f[{j}]"), &format!("g[{i}]"), "p");
+            code.bind("p", &both);
         }
         spread(code, &mut started, thirds, 1.0);
     }
-    close_function(code, bands, true);
+    scale_first(code);
+    code.close(bands);
 }
 
 /// `h = f*f`, as [`product`] with f = g; the factor 2 goes into the constants.
-fn square(code: &mut String, bands: usize, groups: &[Group]) {
-    open_function(code, "square", bands, &["f"]);
+fn square(code: &mut Code, bands: usize, groups: &[Group]) {
+    let count = bands * bands;
+    code.open("square", bands, &format!("f: &[L; {count}]"), "f: Sh");
     if bands > 1 {
-        line!(code, "let f0 = f[0] * L::constant({:e});", 2.0 * dc_scale());
+        let scale = code.constant(2.0 * dc_scale());
+        code.bind("f0", &format!("f[0] * {scale}"));
     }
     let mut started = BTreeSet::new();
     for Group { i, j, thirds } in groups {
@@ -163,90 +242,178 @@ fn square(code: &mut String, bands: usize, groups: &[Group]) {
         let mut local = BTreeSet::new();
         for &(k, value) in thirds.iter().filter(|(k, _)| !(is_square && *k == i)) {
             if k == 0 {
-                line!(code, "let s = f0;");
+                code.bind("s", "f0");
                 local.insert("s".to_owned());
             } else {
-                let (constant, term) = (format!("L::constant({:e})", 2.0 * value), format!("f[{k}]"));
-                accumulate(code, &mut local, "s", &term, &constant);
+                let constant = code.constant(2.0 * value);
+                code.accumulate(&mut local, "s", &format!("f[{k}]"), &constant);
             }
         }
         let ends = if is_square { vec![(i, j)] } else { vec![(i, j), (j, i)] };
         for (to, other) in ends.iter().filter(|_| !local.is_empty()) {
-            accumulate(code, &mut started, &format!("h{to}"), "s", &format!("f[{other}]"));
+            code.accumulate(&mut started, &format!("h{to}"), "s", &format!("f[{other}]"));
         }
-        line!(code, "let p = f[{i}] * f[{j}];");
+        code.bind("p", &format!("f[{i}] * f[{j}]"));
         spread(code, &mut started, thirds, if is_square { 1.0 } else { 2.0 });
     }
-    close_function(code, bands, true);
+    scale_first(code);
+    code.close(bands);
+}
+
+/// h_0 is scaled at the end instead of term by term.
+fn scale_first(code: &mut Code) {
+    let scale = code.constant(dc_scale());
+    code.bind("h0", &format!("h0 * {scale}"));
 }
 
 /// The groups as a static table.
-fn table(code: &mut String, bands: usize, groups: &[Group]) {
-    writeln!(code, "static GROUPS_{bands}: [Group; {}] = [", groups.len()).expect("writing to a string");
+fn table(code: &mut Code, bands: usize, groups: &[Group]) {
+    writeln!(code.text, "static GROUPS_{bands}: [Group; {}] = [", groups.len()).expect("writing to a string");
     for Group { i, j, thirds } in groups {
         let list: Vec<String> = thirds.iter().map(|(k, value)| format!("({k}, {value:e})")).collect();
-        line!(code, "Group {{ i: {i}, j: {j}, thirds: &[{}] }},", list.join(", "));
+        code.line(&format!("Group {{ i: {i}, j: {j}, thirds: &[{}] }},", list.join(", ")));
     }
-    code.push_str("];\n");
+    code.text.push_str("];\n");
 }
 
-/// `h_k += c_k p` for the thirds of a group; h_0 is scaled at the end instead.
-fn spread(code: &mut String, started: &mut BTreeSet<String>, thirds: &[(usize, f64)], scale: f64) {
+/// `h_k += c_k p` for the thirds of a group.
+fn spread(code: &mut Code, started: &mut BTreeSet<String>, thirds: &[(usize, f64)], scale: f64) {
     for &(k, value) in thirds {
         if k == 0 {
-            if started.insert("h0".to_owned()) {
-                line!(code, "let h0 = p;");
-            } else {
-                line!(code, "let h0 = h0 + p;");
-            }
+            let value = if started.insert("h0".to_owned()) { "p" } else { "h0 + p" };
+            code.bind("h0", value);
         } else {
-            accumulate(code, started, &format!("h{k}"), "p", &format!("L::constant({:e})", scale * value));
+            let constant = code.constant(scale * value);
+            code.accumulate(started, &format!("h{k}"), "p", &constant);
         }
     }
 }
 
 /// The basis along (x, y, z) by the recurrences of `basis.rs` with their constants filled in, and its accumulation
 /// with one scale per band.
-fn basis(code: &mut String, bands: usize) {
+fn basis(code: &mut Code, bands: usize) {
     let count = bands * bands;
-    writeln!(code, "#[inline(always)]\nfn basis_{bands}<L: Lane>([x, y, z]: [L; 3]) -> [L; {count}] {{")
-        .expect("writing to a string");
-    if bands == 1 {
-        line!(code, "let _ = (x, y, z); // band 0 is constant");
+    code.open("basis", bands, "[x, y, z]: [L; 3]", "direction: vec3f");
+    match code.dialect {
+        Dialect::Wgsl => ["x", "y", "z"].iter().for_each(|axis| code.bind(axis, &format!("direction.{axis}"))),
+        Dialect::Rust if bands == 1 => code.line("let _ = (x, y, z); // band 0 is constant"),
+        Dialect::Rust => {}
     }
     for m in 0..bands {
         match m {
             0 => {}
-            1 => line!(code, "let (c, s) = (x, y);"),
-            _ => line!(code, "let (c, s) = (x * c - y * s, x * s + y * c);"),
+            1 => {
+                code.bind("c", "x");
+                code.bind("s", "y");
+            }
+            _ => {
+                code.bind("turned", "x * c - y * s");
+                code.bind("s", "x * s + y * c");
+                code.bind("c", "turned");
+            }
         }
         for l in m..bands {
+            let name = format!("p{l}");
             if l == m {
-                line!(code, "let p{l} = L::constant({:e});", sectoral_constant(m));
+                let constant = code.constant(sectoral_constant(m));
+                code.bind(&name, &constant);
             } else {
                 let (alpha, beta) = legendre_step(l, m);
-                line!(code, "let p{l} = z * p{} * L::constant({alpha:e});", l - 1);
+                let constant = code.constant(alpha);
+                code.bind(&name, &format!("z * p{} * {constant}", l - 1));
                 if l > m + 1 {
-                    line!(code, "let p{l} = p{}.mul_add(L::constant({:e}), p{l});", l - 2, -beta);
+                    let constant = code.constant(-beta);
+                    let value = code.mul_add(&format!("p{}", l - 2), &constant, &name);
+                    code.bind(&name, &value);
                 }
             }
             let (plus, minus) = (l * (l + 1) + m, l * (l + 1) - m);
             if m == 0 {
-                line!(code, "let h{plus} = p{l};");
+                code.bind(&format!("h{plus}"), &name);
             } else {
-                line!(code, "let (h{plus}, h{minus}) = (p{l} * c, p{l} * s);");
+                code.bind(&format!("h{plus}"), &format!("{name} * c"));
+                code.bind(&format!("h{minus}"), &format!("{name} * s"));
             }
         }
     }
-    close_function(code, bands, false);
-    writeln!(
-        code,
-        "#[inline(always)]\nfn accumulate_{bands}<L: Lane>(direction: [L; 3], scale: &[L], sum: &mut [L; {count}]) {{"
+    code.close(bands);
+    match code.dialect {
+        Dialect::Rust => {
+            writeln!(
+                code.text,
+                "#[inline(always)]\nfn accumulate_{bands}<L: Lane>(direction: [L; 3], scale: &[L], sum: &mut [L; {count}]) {{"
+            )
+            .expect("writing to a string");
+            code.line(&format!("let y = basis_{bands}(direction);"));
+            for i in 0..count {
+                code.line(&format!("sum[{i}] = y[{i}].mul_add(scale[{}], sum[{i}]);", i.isqrt()));
+            }
+            code.text.push_str("}\n");
+        }
+        Dialect::Wgsl => {
+            code.open("add_lobe", bands, "", "direction: vec3f, scale: ShBands, sum: Sh");
+            code.bind("y", "sh_basis(direction)");
+            for i in 0..count {
+                let value = code.mul_add(&format!("y[{i}]"), &format!("scale[{}]", i.isqrt()), &format!("sum[{i}]"));
+                code.bind(&format!("h{i}"), &value);
+            }
+            code.close(bands);
+        }
+    }
+}
+
+/// WGSL functions that work coefficient by coefficient: without loops nothing is indexed at run time.
+fn elementwise(code: &mut Code, bands: usize) {
+    let functions = [
+        ("times_bands", "f: Sh, factors: ShBands", "f[{i}] * factors[{l}]"),
+        ("scaled", "f: Sh, factor: f32", "f[{i}] * factor"),
+        ("plus", "f: Sh, g: Sh", "f[{i}] + g[{i}]"),
+        // `f + weight·(g - f)`.
+        ("mix", "f: Sh, g: Sh, weight: f32", "weight * (g[{i}] - f[{i}]) + f[{i}]"),
+        // `f·factor + g`.
+        ("scaled_plus", "f: Sh, factor: f32, g: Sh", "f[{i}] * factor + g[{i}]"),
+    ];
+    for (name, arguments, value) in functions {
+        code.open(name, bands, "", arguments);
+        for i in 0..bands * bands {
+            let value = value.replace("{i}", &i.to_string()).replace("{l}", &i.isqrt().to_string());
+            code.bind(&format!("h{i}"), &value);
+        }
+        code.close(bands);
+    }
+    for (name, arguments, first, a, b) in
+        [("dot", "f: Sh, g: Sh", 0, "f", "g"), ("isolated_energy", "f: Sh", 1, "f", "f")]
+    {
+        code.declared.clear();
+        writeln!(code.text, "fn sh_{name}({arguments}) -> f32 {{").expect("writing to a string");
+        code.bind("sum", "0.0f");
+        for i in first..bands * bands {
+            let value = code.mul_add(&format!("{a}[{i}]"), &format!("{b}[{i}]"), "sum");
+            code.bind("sum", &value);
+        }
+        code.line("return sum;");
+        code.text.push_str("}\n");
+    }
+    conversions(code, bands);
+}
+
+/// WGSL functions to and from rows of four, in which tables are stored.
+fn conversions(code: &mut Code, bands: usize) {
+    let component = |i: usize| ["x", "y", "z", "w"][i % 4];
+    let list = |items: Vec<String>| items.join(", ");
+    let of_band = |l: usize| format!("{}.{}", if l < 4 { "low" } else { "high" }, component(l));
+    let of_coefficient = |i: usize| if i < bands * bands { format!("f[{i}]") } else { "0.0f".to_owned() };
+    let parts = (bands * bands).div_ceil(4);
+    let part = |k: usize| format!("vec4f({})", list((4 * k..4 * k + 4).map(of_coefficient).collect()));
+    write!(
+        code.text,
+        "const SH_PARTS = {parts}u;\n\
+         fn sh_bands(low: vec4f, high: vec4f) -> ShBands {{\n    return ShBands({});\n}}\n\
+         fn sh_parts(f: Sh) -> array<vec4f, {parts}> {{\n    return array<vec4f, {parts}>({});\n}}\n\
+         fn sh_of_parts(p: array<vec4f, {parts}>) -> Sh {{\n    return Sh({});\n}}\n",
+        list((0..bands).map(of_band).collect()),
+        list((0..parts).map(part).collect()),
+        list((0..bands * bands).map(|i| format!("p[{}].{}", i / 4, component(i))).collect()),
     )
     .expect("writing to a string");
-    line!(code, "let y = basis_{bands}(direction);");
-    for i in 0..count {
-        line!(code, "sum[{i}] = y[{i}].mul_add(scale[{}], sum[{i}]);", i.isqrt());
-    }
-    code.push_str("}\n");
 }

@@ -88,6 +88,12 @@ impl BlockerTable {
         self.bands
     }
 
+    /// All rows, for kernels elsewhere: per four bands a table, per interval four values and their four differences to the
+    /// next interval.
+    pub fn rows(&self) -> impl Iterator<Item = [f32; LANES]> {
+        self.parts.iter().flat_map(|part| part.iter().map(|row| row.to_array()))
+    }
+
     /// Memory in bytes.
     pub fn bytes(&self) -> usize {
         self.parts.len() * std::mem::size_of::<[f32x8; INTERVALS]>()

@@ -34,6 +34,7 @@ pub mod quadrature;
 mod recurrence;
 pub mod rotation;
 pub mod tripling;
+pub mod wgsl;
 pub mod window;
 pub mod zonal;
 pub mod zonal_algebra;

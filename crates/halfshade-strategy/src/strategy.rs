@@ -40,6 +40,12 @@ pub trait Baked: Send + Sync {
         Vec::new()
     }
 
+    /// Tells which receivers all calls to come are for, as they are in `frame`: once, off every clock, before the first frame
+    /// is prepared. Who runs on a device with memory of its own puts there what stays the same from frame to frame.
+    fn place_receivers(&mut self, _frame: &Frame<'_>, _receivers: Receivers<'_>) -> Result<(), StrategyError> {
+        Ok(())
+    }
+
     /// Once per frame: poses, lights. Calling it twice with the same frame changes nothing.
     fn prepare(&mut self, frame: &Frame<'_>) -> Result<Box<dyn Prepared + '_>, StrategyError>;
 }
@@ -55,7 +61,18 @@ pub trait Prepared: Send + Sync {
     /// `albedo/π · ∫ L V max(n·ω, 0) dω`, and the same over the lobes of glossy receivers ([`halfshade_scene::EyeLobes`]).
     /// Called from many threads at once on parts of the receivers, unless [`Self::batching`] asks for all of them. Allocates
     /// nothing per receiver.
+    /// Radiance on a device with memory of its own stays there until [`Self::read_back`].
     fn shade(&self, receivers: Receivers<'_>, out: RadianceMut<'_>);
+
+    /// Copies what was shaded last from a device with memory of its own, and tells what went wrong there.
+    fn read_back(&self, _out: RadianceMut<'_>) -> Result<(), StrategyError> {
+        Ok(())
+    }
+
+    /// Seconds that the last [`Self::shade`] took by the clock of such a device.
+    fn device_secs(&self) -> Option<f64> {
+        None
+    }
 }
 
 /// How the receivers of a frame may be split into batches.

@@ -1,14 +1,14 @@
 //! The arguments: a contract, extended but not broken.
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use halfshade_harness::{scene_source::MeshLight, threads::MAX_THREADS};
+use halfshade_harness::{Device, scene_source::MeshLight, threads::MAX_THREADS};
 use halfshade_scene::{
     camera::{MAX_SIDE, check_resolution},
     light::ProbeOptions,
     spheres::MAX_SPHERES,
 };
 use halfshade_truth::MAX_SAMPLES;
-use std::path::PathBuf;
+use std::{convert::Infallible, path::PathBuf, str::FromStr};
 
 /// Compares real-time methods for soft shadows: error and time of every strategy against ray-traced truth.
 #[derive(Debug, Parser)]
@@ -20,6 +20,10 @@ pub struct Cli {
     /// Use this many threads instead of all.
     #[arg(long, global = true, value_name = "N", value_parser = thread_count)]
     pub threads: Option<usize>,
+    /// Graphics device to use where one is asked for: auto, off, a number or a part of its name (or set HALFSHADE_GPU)
+    /// [default: auto].
+    #[arg(long, global = true, value_name = "CHOICE")]
+    pub gpu: Option<halfshade_gpu::Choice>,
     /// The command.
     #[command(subcommand)]
     pub command: Command,
@@ -58,6 +62,9 @@ pub struct RunArguments {
     /// Go on with a run that was interrupted.
     #[arg(long)]
     pub resume: bool,
+    /// Run on these devices instead of the experiment's: cpu, gpu, or a part of a graphics device's name.
+    #[arg(long, value_name = "DEVICE", value_delimiter = ',')]
+    pub device: Vec<DeviceArgument>,
 }
 
 /// A scene, and light for it where it is a mesh.
@@ -110,9 +117,53 @@ pub struct RenderArguments {
     /// Shade the pixels themselves, or the vertices and interpolate.
     #[arg(long, value_enum, default_value_t = ReceiverChoice::Pixels)]
     pub receivers: ReceiverChoice,
+    /// The device: cpu, gpu, or a part of a graphics device's name.
+    #[arg(long, value_name = "DEVICE", default_value = "cpu")]
+    pub device: DeviceArgument,
     /// The picture, .exr or .png [default: SCENE.exr].
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
+}
+
+/// A device, as users name it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum DeviceArgument {
+    /// The processor.
+    Cpu,
+    /// The graphics device that `--gpu` chooses.
+    Gpu,
+    /// The graphics device of this name.
+    Named(String),
+}
+
+impl DeviceArgument {
+    /// Its kind.
+    pub fn device(&self) -> Device {
+        match self {
+            Self::Cpu => Device::Cpu,
+            Self::Gpu | Self::Named(_) => Device::Gpu,
+        }
+    }
+
+    /// The name of a graphics device.
+    pub fn name(&self) -> Option<&str> {
+        match self {
+            Self::Named(name) => Some(name),
+            Self::Cpu | Self::Gpu => None,
+        }
+    }
+}
+
+impl FromStr for DeviceArgument {
+    type Err = Infallible;
+
+    fn from_str(text: &str) -> Result<Self, Infallible> {
+        Ok(match text {
+            "cpu" => Self::Cpu,
+            "gpu" => Self::Gpu,
+            name => Self::Named(name.to_owned()),
+        })
+    }
 }
 
 /// Which points are shaded.
@@ -172,6 +223,10 @@ pub enum ListChoice {
     Strategies,
     /// The built-in scenes.
     Scenes,
+    /// Graphics devices.
+    Devices,
+    /// Kernels for graphics devices, their twins on the processor, and what has none.
+    Kernels,
 }
 
 /// Arguments of `check`.

@@ -3,7 +3,10 @@
 //! longer than a thousand inputs.
 
 use halfshade_fuzz::{beside, file};
-use halfshade_harness::{Experiment, run::Plan};
+use halfshade_harness::{
+    Experiment,
+    run::{Plan, RunOptions},
+};
 use halfshade_scene::{Cache, builtin};
 use libfuzzer_sys::fuzz_target;
 
@@ -16,6 +19,6 @@ fuzz_target!(|bytes: &[u8]| {
     }
     let strategies = halfshade::strategies(&Cache::disabled());
     for quick in [false, true] {
-        let _ = Plan::new(&experiment, &strategies, quick);
+        let _ = Plan::new(&experiment, &strategies, &RunOptions { quick, ..RunOptions::default() });
     }
 });

@@ -1,6 +1,9 @@
 //! The experiments that come with the repository: each says what it claims, and names only what there is.
 
-use halfshade_harness::{Experiment, run::Plan};
+use halfshade_harness::{
+    Experiment,
+    run::{Plan, RunOptions},
+};
 use std::path::{Path, PathBuf};
 
 /// Scenes are loaded and every name is looked up; nothing is baked. Most of the time goes into making built-in scenes,
@@ -23,7 +26,7 @@ fn check(path: &Path) {
     assert_eq!(Some(experiment.name.as_str()), path.file_stem().and_then(|stem| stem.to_str()));
     assert!(experiment.claim.len() > 20, "{}: say which claim it tests", path.display());
     let strategies = halfshade::strategies(&halfshade_scene::Cache::disabled());
-    let plan = Plan::new(&experiment, &strategies, false).unwrap_or_else(|error| panic!("{error}"));
+    let plan = Plan::new(&experiment, &strategies, &RunOptions::default()).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(plan.scenes.len(), experiment.scenes.len(), "{}", path.display());
     assert!(plan.scenes.iter().all(|(_, frames)| !frames.is_empty()) && !plan.variants.is_empty());
 }

@@ -26,6 +26,8 @@ struct SceneRuns<'a> {
     similarities: Vec<SimilarityColumn>,
     /// Whether any run was timed.
     timed: bool,
+    /// Whether any ran on a device with memory and a clock of its own.
+    has_devices: bool,
     published: &'a [Published],
 }
 
@@ -45,6 +47,7 @@ pub(super) fn scene_table(results: &Results, scene: &str, frame: usize, receiver
             .into_iter()
             .filter(|(_, of)| errors().any(|error| of(&error.similarity).is_some()))
             .collect(),
+        has_devices: runs.iter().any(|run| !run.device.is_cpu()),
         timed: runs.iter().any(|run| run.frame_secs().is_some()),
         published: facts.map_or(&[][..], |facts| facts.published.as_slice()),
         runs,
@@ -64,20 +67,27 @@ pub(super) fn scene_table(results: &Results, scene: &str, frame: usize, receiver
 
 impl SceneRuns<'_> {
     fn columns(&self) -> Vec<Column> {
-        let mut columns = vec![
-            Column::plain("strategy"),
+        let mut columns = vec![Column::plain("strategy")];
+        if self.has_devices {
+            columns.push(Column::plain("device"));
+        }
+        columns.extend([
             Column::ranked("rel. RMSE", Better::Lower),
             Column::plain("bias"),
             Column::ranked("mae", Better::Lower),
             Column::ranked("p95", Better::Lower),
             Column::ranked("p99", Better::Lower),
             Column::ranked("max", Better::Lower),
-        ];
+        ]);
         columns.extend(self.similarities.iter().map(|(column, _)| column.clone()));
         columns.push(Column::plain("bake s"));
         if self.timed {
             columns.push(Column::plain("prepare ms"));
             columns.push(Column::ranked("shade ms", Better::Lower));
+            if self.has_devices {
+                columns.push(Column::plain("by its clock ms"));
+                columns.push(Column::plain("read back ms"));
+            }
             columns.push(Column::ranked("frames/s", Better::Higher));
             let head = |p: &Published| Column::plain(format!("{}, {}: frames/s", p.method, p.hardware));
             columns.extend(self.published.iter().map(head));
@@ -89,6 +99,9 @@ impl SceneRuns<'_> {
     /// A cell for each of `width` columns.
     fn row(&self, run: &Run, width: usize) -> Vec<Cell> {
         let mut row = vec![Cell::text(run.label.clone())];
+        if self.has_devices {
+            row.push(Cell::text(run.device.to_string()));
+        }
         let Some(error) = run.error.as_ref().filter(|_| run.status == Status::Ok) else {
             let word = if run.status == Status::Unsupported { "unsupported" } else { "failed" };
             row.push(Cell::text(format!("{word}: {}", run.reason.as_deref().unwrap_or("no reason given"))));
@@ -110,6 +123,10 @@ impl SceneRuns<'_> {
         if self.timed {
             row.push(millis(time.and_then(|time| time.prepare_secs)));
             row.push(millis(time.and_then(|time| time.shade_secs)));
+            if self.has_devices {
+                row.push(millis(time.and_then(|time| time.device_secs)));
+                row.push(millis(time.and_then(|time| time.read_back_secs)));
+            }
             let rate = time.and_then(|time| time.frames_per_sec);
             row.push(rate.map_or(Cell::empty(), |value| Cell::number(significant(value, 3), value)));
             row.extend(self.published.iter().map(|p| Cell::text(significant(p.frames_per_sec, 3))));
@@ -145,6 +162,12 @@ impl SceneRuns<'_> {
             notes.push(format!(
                 "Times are medians ± median absolute deviations on {} threads of {}.",
                 machine.threads, machine.cpu
+            ));
+        }
+        if let Some(gpu) = machine.gpu.as_ref().filter(|_| self.has_devices) {
+            notes.push(format!(
+                "Device `gpu` is {gpu}. Its *prepare* has the upload in it, its frames per second count *prepare* and *shade*, \
+                 as on a screen; what is copied back for scoring stands apart."
             ));
         }
         if self.timed && !self.published.is_empty() {

@@ -10,6 +10,7 @@ pub(crate) fn example() -> Results {
         receivers: "vertices".into(),
         receiver_count: 1000,
         strategy: strategy.into(),
+        device: Device::Cpu,
         label: label.into(),
         params: BTreeMap::from([("bands".into(), serde_json::json!(4))]),
         status: Status::Ok,
@@ -38,7 +39,7 @@ pub(crate) fn example() -> Results {
             similarity: Similarity::default(),
         }),
         truth: Some(TruthFigures { samples: 256, rms_standard_error: 1e-3, unshadowed_mean: 0.5 }),
-        time: Some(TimeFigures::of(0.25, 2, vec![Sample { prepare_secs: 0.0, shade_secs: 1e-3 * ms }; 3])),
+        time: Some(TimeFigures::of(0.25, 2, vec![Sample::new(0.0, 1e-3 * ms); 3])),
         memory: Some(Memory { bytes: 2048, parts: BTreeMap::from([("tables".into(), 2048)]) }),
         details: vec![Detail { name: "resolution by shell".into(), values: vec![8.0, 64.0, 0.015625] }],
     };

@@ -23,8 +23,13 @@ impl Run {
             [("rms_standard_error", truth.rms_standard_error), ("unshadowed_mean", truth.unshadowed_mean)]
         });
         let time = self.time.iter().flat_map(|time| {
-            let samples = time.samples.iter().map(|sample| ("time", sample.prepare_secs + sample.shade_secs));
-            let spreads = [("prepare_secs", time.prepare_secs), ("shade_secs", time.shade_secs)];
+            let samples = time.samples.iter().map(|sample| ("time", sample.sum_secs()));
+            let spreads = [
+                ("prepare_secs", time.prepare_secs),
+                ("shade_secs", time.shade_secs),
+                ("read_back_secs", time.read_back_secs),
+                ("device_secs", time.device_secs),
+            ];
             let spreads = spreads.map(|(name, spread)| (name, spread.map_or(0.0, |it| it.median + it.mad)));
             let of_frame = [("bake_secs", time.bake_secs), ("frames_per_sec", time.frames_per_sec.unwrap_or(0.0))];
             samples.chain(spreads).chain(of_frame)

@@ -1,6 +1,6 @@
 //! VariantChoice of an experiment's strategies that are pictured, and of those that are compared with each other.
 
-use crate::{Experiment, HarnessError, Variant};
+use crate::{Device, Experiment, HarnessError, Variant};
 use halfshade_strategy::Strategy;
 use toml::Spanned;
 
@@ -8,6 +8,7 @@ use toml::Spanned;
 pub(super) struct VariantChoice<'a> {
     pub(super) experiment: &'a Experiment,
     pub(super) strategies: &'a [Box<dyn Strategy>],
+    pub(super) devices: &'a [Device],
     pub(super) variants: &'a [Variant],
 }
 
@@ -18,12 +19,13 @@ impl VariantChoice<'_> {
         let Some(specs) = &settings.strategies else { return Ok(self.variants.iter().map(Variant::key).collect()) };
         let mut pictured: Vec<String> = Vec::new();
         for spec in specs {
-            let key = self.variants[self.place_of(spec)?].key();
-            if pictured.contains(&key) {
+            let found = &self.variants[self.place_of(spec)?];
+            let keys: Vec<String> = self.devices.iter().map(|&device| found.on(device).key()).collect();
+            if keys.iter().any(|key| pictured.contains(key)) {
                 let problem = format!("`{}` is pictured already; name each once", spec.get_ref());
                 return Err(self.experiment.error_at(spec.span().start, problem));
             }
-            pictured.push(key);
+            pictured.extend(keys);
         }
         Ok(pictured)
     }
@@ -34,9 +36,10 @@ impl VariantChoice<'_> {
         settings.and_then(|settings| settings.difference.as_ref()).map(|specs| self.pair_of(specs)).transpose()
     }
 
-    /// Places of the pairs that are compared with each other.
+    /// Places of the pairs that are compared with each other: those that are named, on the first device, and the same on
+    /// several devices.
     pub(super) fn pairs(&self) -> Result<Vec<[usize; 2]>, HarnessError> {
-        let mut pairs: Vec<[usize; 2]> = Vec::new();
+        let mut pairs: Vec<[usize; 2]> = self.device_pairs();
         for specs in &self.experiment.compare {
             let pair = self.pair_of(specs)?;
             if pairs.contains(&pair) {
@@ -46,6 +49,13 @@ impl VariantChoice<'_> {
             pairs.push(pair);
         }
         Ok(pairs)
+    }
+
+    /// Every variant on other devices beside itself on the first; variants lie side by side, device by device.
+    fn device_pairs(&self) -> Vec<[usize; 2]> {
+        let count = self.devices.len();
+        let of_one = |first: usize| (first + 1..first + count).map(move |other| [other, first]);
+        (0..self.variants.len()).step_by(count.max(1)).flat_map(of_one).collect()
     }
 
     fn pair_of(&self, [a, b]: &[Spanned<String>; 2]) -> Result<[usize; 2], HarnessError> {
@@ -58,7 +68,8 @@ impl VariantChoice<'_> {
 
     fn place_of(&self, spec: &Spanned<String>) -> Result<usize, HarnessError> {
         let error = |problem| self.experiment.error_at(spec.span().start, problem);
-        let key = Variant::parse(self.strategies, spec.get_ref()).map_err(error)?.key();
+        let device = self.devices.first().copied().unwrap_or_default();
+        let key = Variant::parse(self.strategies, spec.get_ref()).map_err(error)?.on(device).key();
         let unknown = || error(format!("`{}` is pictured or compared but not among the strategies", spec.get_ref()));
         self.variants.iter().position(|variant| variant.key() == key).ok_or_else(unknown)
     }

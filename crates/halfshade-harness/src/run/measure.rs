@@ -62,7 +62,7 @@ fn score_all(
         }
         let radiance = scored.shaded.map(|Shaded { baked, radiance }| {
             if plan.timing.is_some() && setup.is_kept {
-                ready.push(Ready { key: key.clone(), baked });
+                ready.push(Ready { key: key.clone(), device: plan.variants[place].device, baked });
             }
             radiance
         });

@@ -34,7 +34,11 @@ use setup::Setup;
 
 /// Runs `experiment` and returns its results; with [`RunOptions::out`], `results.json` and its company lie there.
 pub fn run(experiment: &Experiment, tools: &Tools<'_>, options: &RunOptions) -> Result<Results, HarnessError> {
-    let plan = Plan::new(experiment, tools.strategies, options.quick)?;
+    let plan = Plan::new(experiment, tools.strategies, options)?;
+    if plan.uses_graphics() && tools.graphics.is_none() {
+        let problem = "this asks for device `gpu`, and there is none; name device `cpu` alone";
+        return Err(HarnessError::in_file(&experiment.path, problem));
+    }
     check_inputs(experiment, &plan, options)?;
     let timing_threads = plan.timing.and_then(|timing| timing.threads).map(|threads| threads.get());
     let threads = options.threads.or(timing_threads).unwrap_or_else(threads::available);
@@ -101,7 +105,7 @@ fn unmeasured(
         quick: options.quick,
         inputs: Some(plan.inputs.clone()),
         revision: tools.revision.to_owned(),
-        machine: machine::describe(threads),
+        machine: machine::describe(threads, tools.graphics.filter(|_| plan.uses_graphics())),
         strategies: tools.strategies.iter().map(|strategy| strategy.info().name.to_owned()).collect(),
         scenes: Vec::new(),
         runs: Vec::new(),

@@ -3,6 +3,7 @@
 use super::{
     choice::VariantChoice,
     scenes::{Loaded, scenes},
+    tools::RunOptions,
 };
 use crate::{
     Experiment, HarnessError, ReceiverKind, ReferenceKind, Variant, Weighting, experiment::TimingSettings, file_names,
@@ -61,6 +62,11 @@ pub struct Plan {
 }
 
 impl Plan {
+    /// Whether anything runs on a graphics device.
+    pub fn uses_graphics(&self) -> bool {
+        self.variants.iter().any(|variant| !variant.device.is_cpu())
+    }
+
     /// Whether the variant at a place is compared with another one.
     pub fn is_compared(&self, place: usize) -> bool {
         self.pairs.iter().chain(&self.difference).flatten().any(|compared| *compared == place)
@@ -106,9 +112,17 @@ impl Plan {
     }
 
     /// Loads and checks everything, so that mistakes show before any work is done.
-    pub fn new(experiment: &Experiment, strategies: &[Box<dyn Strategy>], quick: bool) -> Result<Self, HarnessError> {
-        let variants = variant::sweep(experiment, strategies)?;
-        let choice = VariantChoice { experiment, strategies, variants: &variants };
+    pub fn new(
+        experiment: &Experiment,
+        strategies: &[Box<dyn Strategy>],
+        options: &RunOptions,
+    ) -> Result<Self, HarnessError> {
+        let quick = options.quick;
+        let devices = options.devices.as_ref().unwrap_or(&experiment.devices);
+        let swept = variant::sweep(experiment, strategies)?;
+        let variants: Vec<Variant> =
+            swept.iter().flat_map(|variant| devices.iter().map(|&device| variant.on(device))).collect();
+        let choice = VariantChoice { experiment, strategies, devices, variants: &variants };
         let (pictured, difference, pairs) = (choice.pictured()?, choice.difference()?, choice.pairs()?);
         let Loaded { scenes, inputs } = scenes(experiment, quick)?;
         // The mesh always comes first: it is the truth that everything is relative to.

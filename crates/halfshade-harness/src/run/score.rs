@@ -52,6 +52,8 @@ impl From<StrategyError> for Refusal {
     }
 }
 
+const NO_KERNELS: &str = "no kernels for graphics devices yet: run it with device `cpu`";
+
 /// Bakes, prepares and shades the variant at `place` once, and compares with every reference.
 pub(super) fn score(setup: &Setup<'_>, group: &Group<'_>, place: usize) -> Scored {
     let blank = &group.rows[place].blank;
@@ -69,16 +71,18 @@ pub(super) fn score(setup: &Setup<'_>, group: &Group<'_>, place: usize) -> Score
 fn shade_once(setup: &Setup<'_>, group: &Group<'_>, place: usize) -> Result<(f64, Shaded), Refusal> {
     let variant = &setup.plan.variants[place];
     let (tools, frame) = (setup.tools, &group.frame);
-    let strategy = &tools.strategies[variant.strategy];
+    let strategy = tools.strategy(variant).ok_or_else(|| Refusal::unsupported(NO_KERNELS.into()))?;
     let missing = strategy.info().effects.missing(Effects::required_by(frame.scene));
     if !missing.is_empty() {
         return Err(Refusal::unsupported(format!("can't model {missing}")));
     }
     let (bake_secs, baked) = time_secs(tools.clock, || strategy.bake(frame.scene, &variant.params, tools.progress));
     let mut baked = baked?;
+    baked.place_receivers(frame, group.receivers.view())?;
     let prepared = baked.prepare(frame)?;
     let mut radiance = RadianceBuffer::zeros(group.receivers.len());
     shade_all(prepared.as_ref(), group.receivers.view(), &mut radiance);
+    prepared.read_back(radiance.view_mut())?;
     drop(prepared);
     let broken = count_not_finite(&radiance);
     if broken > 0 {

@@ -1,13 +1,14 @@
 //! Times of a group, all strategies in turn.
 
 use super::{group::Group, record::Record, setup::Setup};
-use crate::{Clock, HarnessError, clock::time_secs, results::Sample, shading::shade_all};
+use crate::{Clock, Device, HarnessError, clock::time_secs, results::Sample, shading::shade_all};
 use halfshade_scene::{Frame, RadianceBuffer, ReceiverBuffer};
 use halfshade_strategy::{Baked, StrategyError};
 
 /// A strategy that is ready to be timed.
 pub(super) struct Ready {
     pub(super) key: String,
+    pub(super) device: Device,
     pub(super) baked: Box<dyn Baked>,
 }
 
@@ -29,14 +30,16 @@ pub(super) fn time(
     for round in 0..all_rounds {
         let count = ready.len();
         for place in 0..count {
-            let Ready { key, baked } = &mut ready[(place + round) % count];
+            let Ready { key, device, baked } = &mut ready[(place + round) % count];
             let warming_up = round < timing.warm_up as usize;
             if !warming_up && setup.missing_samples(record, key) == 0 {
                 continue;
             }
             let sample =
-                timed_frame(tools.clock, baked.as_mut(), &neighbour, frame, &group.receivers, &mut radiance)
-                    .map_err(|error| HarnessError::input(format!("{key}: preparing a second time failed: {error}")))?;
+                timed_frame(tools.clock, *device, baked.as_mut(), [&neighbour, frame], &group.receivers, &mut radiance)
+                    .map_err(|error| {
+                        HarnessError::input(format!("{key}: a frame failed while it was timed: {error}"))
+                    })?;
             if !warming_up {
                 record.add_sample(key, sample)?;
             }
@@ -49,9 +52,9 @@ pub(super) fn time(
 /// One frame by the clock, after its neighbour was prepared untimed.
 fn timed_frame(
     clock: &dyn Clock,
+    device: Device,
     baked: &mut dyn Baked,
-    neighbour: &Frame<'_>,
-    frame: &Frame<'_>,
+    [neighbour, frame]: [&Frame<'_>; 2],
     receivers: &ReceiverBuffer,
     radiance: &mut RadianceBuffer,
 ) -> Result<Sample, StrategyError> {
@@ -59,7 +62,10 @@ fn timed_frame(
     let (prepare_secs, prepared) = time_secs(clock, || baked.prepare(frame));
     let prepared = prepared?;
     let (shade_secs, ()) = time_secs(clock, || shade_all(prepared.as_ref(), receivers.view(), radiance));
-    Ok(Sample { prepare_secs, shade_secs })
+    let (read_back_secs, read) = time_secs(clock, || prepared.read_back(radiance.view_mut()));
+    read?;
+    let read_back_secs = (!device.is_cpu()).then_some(read_back_secs);
+    Ok(Sample { prepare_secs, shade_secs, read_back_secs, device_secs: prepared.device_secs() })
 }
 
 #[cfg(test)]
@@ -100,8 +106,10 @@ mod tests {
         let mut radiance = RadianceBuffer::zeros(1);
         let mut steady = Steady(clock.clone());
         let (neighbour, frame) = (scene.frame(6), scene.frame(7));
-        let sample = timed_frame(clock.as_ref(), &mut steady, &neighbour, &frame, &receivers, &mut radiance).unwrap();
-        assert_eq!(sample, Sample { prepare_secs: 0.002, shade_secs: 0.005 });
+        let sample =
+            timed_frame(clock.as_ref(), Device::Cpu, &mut steady, [&neighbour, &frame], &receivers, &mut radiance)
+                .unwrap();
+        assert_eq!(sample, Sample::new(0.002, 0.005));
         let figures = TimeFigures::of(1.0, 2, vec![sample; 3]);
         assert!((figures.frames_per_sec.unwrap() - 1.0 / 0.007).abs() < 1e-9);
     }

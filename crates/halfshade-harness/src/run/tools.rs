@@ -1,6 +1,6 @@
 //! Strategies, clock, cache and progress of a run.
 
-use crate::{Clock, reference::BandLimit};
+use crate::{Clock, Device, GraphicsDevice, Variant, reference::BandLimit};
 use halfshade_scene::{InputFile, Progress, cache::Cache};
 use halfshade_strategy::Strategy;
 use std::path::PathBuf;
@@ -9,6 +9,8 @@ use std::path::PathBuf;
 pub struct Tools<'a> {
     /// All strategies.
     pub strategies: &'a [Box<dyn Strategy>],
+    /// The graphics device, if there is one.
+    pub graphics: Option<&'a GraphicsDevice>,
     /// Limits an environment to some bands.
     pub band_limit: &'a BandLimit<'a>,
     /// Cache of sphere sets.
@@ -21,11 +23,24 @@ pub struct Tools<'a> {
     pub revision: &'a str,
 }
 
+impl Tools<'_> {
+    /// The strategy of a variant on its device, if it has kernels there.
+    pub(super) fn strategy(&self, variant: &Variant) -> Option<&dyn Strategy> {
+        let strategies = match variant.device {
+            Device::Cpu => return self.strategies.get(variant.strategy).map(Box::as_ref),
+            Device::Gpu => &self.graphics?.strategies,
+        };
+        strategies.iter().find(|strategy| strategy.info().name == variant.name).map(Box::as_ref)
+    }
+}
+
 /// How an experiment is run.
 #[derive(Debug, Clone, Default)]
 pub struct RunOptions {
     /// Threads, if other than the experiment's.
     pub threads: Option<usize>,
+    /// Devices, if others than the experiment's.
+    pub devices: Option<Vec<Device>>,
     /// Fewer samples, one frame, three timed rounds.
     pub quick: bool,
     /// Go on with the journal that is there.

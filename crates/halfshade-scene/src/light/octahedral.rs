@@ -76,6 +76,11 @@ impl OctahedralGrid {
         OctahedralWeights { nodes: [near, node(i + 1, j), node(i, j + 1)], weights }
     }
 
+    /// Cells from the centre to the side.
+    pub fn cells(&self) -> usize {
+        self.half
+    }
+
     /// [`lookup`](Self::lookup) of eight directions: per corner the eight nodes and the eight weights. Finite, not zero.
     #[inline(always)]
     pub fn lookup_batch(&self, direction: &[f32x8; 3]) -> ([[i32; 8]; 3], [f32x8; 3]) {

@@ -16,6 +16,25 @@ pub struct BatchExponential {
     blended: bool,
 }
 
+/// What a [`BatchExponential`] consists of.
+#[derive(Debug, Clone, Copy)]
+pub struct ExponentialParts<'a> {
+    /// Terms of the power series, if that is the inner form.
+    pub series_terms: Option<u32>,
+    /// Whether the optimal linear form is the inner form; if neither, the first two powers are.
+    pub is_linear: bool,
+    /// Magnitude at which squaring starts; infinite: never.
+    pub magnitude_limit: f32,
+    /// Whether one squaring more sets in without a jump.
+    pub is_blended: bool,
+    /// By magnitude (a - 1, b) of the optimal linear form, and their differences to the next entry.
+    pub table: &'a [[f32; 4]],
+    /// Magnitude of the last entry.
+    pub table_limit: f32,
+    /// Entries per magnitude.
+    pub entries_per_magnitude: f32,
+}
+
 #[derive(Debug, Clone, Copy)]
 enum BatchMethod {
     Series { terms: u32, magnitude_limit: f32 },
@@ -77,6 +96,24 @@ impl BatchExponential {
                 .collect(),
         };
         Some(Self { method, table, bands: exponential.bands(), blended: exponential.is_blended() })
+    }
+
+    /// All that it knows, for kernels elsewhere.
+    pub fn parts(&self) -> ExponentialParts<'_> {
+        let (series_terms, is_linear) = match self.method {
+            BatchMethod::Series { terms, .. } => (Some(terms), false),
+            BatchMethod::Quadratic { .. } => (None, false),
+            BatchMethod::Linear { .. } => (None, true),
+        };
+        ExponentialParts {
+            series_terms,
+            is_linear,
+            magnitude_limit: self.magnitude_limit(),
+            is_blended: self.blended,
+            table: &self.table.entries,
+            table_limit: self.table.limit,
+            entries_per_magnitude: self.table.per_magnitude,
+        }
     }
 
     /// Bands of the vectors it takes.

@@ -10,7 +10,7 @@ mod lane;
 mod straight_line;
 mod table;
 
-pub use exponential::{BatchExponential, FULL, dot, limit_to_visibility};
+pub use exponential::{BatchExponential, ExponentialParts, FULL, dot, limit_to_visibility};
 pub use exposed_shares::{ExposedShares, SphericalCap8};
 pub use lane::Lane;
 pub use straight_line::{accumulate_lobe, basis, product, product_one, square, square_one, times_bands};

@@ -62,6 +62,7 @@
 //! **Magnitude limit.** \[Guerrero2007\] has none that depends on bands. One that doesn't makes the hybrid's error rise from
 //! 6 bands on; with 8/bands² it falls. `ExponentialForm::default_magnitude_limit` says why.
 
+pub mod arrays;
 mod bake;
 mod kernel;
 mod prepare;
@@ -101,6 +102,13 @@ impl Strategy for ShExp {
     }
 
     fn bake(&self, scene: &Scene, params: &Params, progress: &dyn Progress) -> Result<Box<dyn Baked>, StrategyError> {
+        Ok(Box::new(Self::bake_scene(scene, params, progress)?))
+    }
+}
+
+impl ShExp {
+    /// [`Strategy::bake`], for who reads the arrays of its frames.
+    pub fn bake_scene(scene: &Scene, params: &Params, progress: &dyn Progress) -> Result<BakedScene, StrategyError> {
         if !scene.lights.is_empty() {
             return Err(StrategyError::Unsupported(NO_LOCAL_LIGHTS.into()));
         }
@@ -108,13 +116,13 @@ impl Strategy for ShExp {
         let tables = Tables::new(scene, &settings, progress)?;
         let grid = OctahedralGrid::new(settings.normals);
         let light = FrameLight::new(settings.bands, &scene.environment, grid, settings.window.into());
-        Ok(Box::new(BakedScene { tables, data: FrameData::new(light) }))
+        Ok(BakedScene { tables, data: FrameData::new(light) })
     }
 }
 
 /// Tables of the scene, and data of the last frame.
 #[derive(Debug)]
-struct BakedScene {
+pub struct BakedScene {
     tables: Tables,
     data: FrameData,
 }
@@ -135,11 +143,7 @@ impl Baked for BakedScene {
     }
 
     fn prepare(&mut self, frame: &Frame<'_>) -> Result<Box<dyn Prepared + '_>, StrategyError> {
-        if !frame.lights.is_empty() {
-            return Err(StrategyError::Unsupported(NO_LOCAL_LIGHTS.into()));
-        }
-        let Self { tables, data } = self;
-        prepare::prepare(tables, data, frame)?;
-        Ok(Box::new(Shader { tables, data }))
+        self.prepare_frame(frame)?;
+        Ok(Box::new(Shader { tables: &self.tables, data: &self.data }))
     }
 }

@@ -35,11 +35,23 @@ settings! {
 
 /// The environment's irradiance over normals, in its own space.
 #[derive(Debug)]
-struct Irradiance {
-    base: DistantLight,
-    grid: OctahedralGrid,
+pub struct Irradiance {
+    /// The environment without its sun.
+    pub base: DistantLight,
+    /// Nodes of the table.
+    pub grid: OctahedralGrid,
     /// Irradiance at each node of the grid; empty for constant light.
-    table: Vec<Vec3>,
+    pub table: Vec<Vec3>,
+}
+
+impl Unshadowed {
+    /// What it bakes for `scene`.
+    pub fn irradiance(scene: &Scene, params: &Params) -> Irradiance {
+        let grid = OctahedralGrid::new(Settings::read(params).normals);
+        let mut irradiance = Irradiance { base: DistantLight::Constant(Vec3::ZERO), grid, table: Vec::new() };
+        irradiance.set_base(&scene.environment.base);
+        irradiance
+    }
 }
 
 /// The light of a frame.
@@ -68,17 +80,15 @@ impl Strategy for Unshadowed {
     }
 
     fn bake(&self, scene: &Scene, params: &Params, _: &dyn Progress) -> Result<Box<dyn Baked>, StrategyError> {
-        let grid = OctahedralGrid::new(Settings::read(params).normals);
-        let mut irradiance = Irradiance { base: DistantLight::Constant(Vec3::ZERO), grid, table: Vec::new() };
-        irradiance.set_base(&scene.environment.base);
-        Ok(Box::new(irradiance))
+        Ok(Box::new(Self::irradiance(scene, params)))
     }
 }
 
 impl Irradiance {
-    fn set_base(&mut self, base: &DistantLight) {
+    /// Makes it that of `base`; whether it was another one.
+    pub fn set_base(&mut self, base: &DistantLight) -> bool {
         if self.base.is_same_as(base) {
-            return;
+            return false;
         }
         self.base = base.clone();
         self.table = match base {
@@ -89,6 +99,7 @@ impl Irradiance {
                 nodes.into_par_iter().map(|node| cells.irradiance(self.grid.direction(node))).collect()
             }
         };
+        true
     }
 
     fn at(&self, normal: Vec3) -> Vec3 {

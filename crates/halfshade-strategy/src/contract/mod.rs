@@ -16,7 +16,7 @@ pub use bounds::{Bounds, Violation};
 pub use gloss::gloss_is_modelled_or_refused;
 
 use bounds::{Checked, violation};
-use render::{baked, bounced, frame_of, lit, prepare, rendered, shade};
+use render::{baked, bounced, frame_of, lit, prepare, read_back, rendered, shade};
 
 /// Unshadowed radiance of a white receiver by the midpoint rule over its hemisphere, suns and lamps apart.
 fn unshadowed(frame: &Frame<'_>, position: Vec3, normal: Vec3) -> DVec3 {
@@ -166,8 +166,8 @@ pub fn splitting_a_batch_changes_no_bit(strategy: &dyn Strategy, params: &Params
     let scene = lit(strategy, bounced(strategy, scenes::spheres(scenes::sun(), &scenes::crowd(12))));
     let receivers = scenes::receivers(101);
     let mut baked = baked(strategy, params, &scene)?;
-    let prepared = prepare(baked.as_mut(), &scene.frame(0))?;
-    let whole = shade(prepared.as_ref(), &receivers);
+    let prepared = prepare(baked.as_mut(), &scene.frame(0), &receivers)?;
+    let whole = shade(prepared.as_ref(), &receivers)?;
     let sizes: &[usize] = match prepared.batching() {
         Batching::AnySplit => &[1, 3, 7, 8, 9, 16, 64, 100],
         Batching::WholeFrame => &[101, 101],
@@ -181,6 +181,7 @@ pub fn splitting_a_batch_changes_no_bit(strategy: &dyn Strategy, params: &Params
             prepared.shade(receivers.view().slice(start..end), part);
             rest = after;
         }
+        read_back(prepared.as_ref(), parts.view_mut())?;
         for (channel, values) in whole.channels.iter().enumerate() {
             let differs = values.iter().zip(&parts.channels[channel]).position(|(a, b)| a.to_bits() != b.to_bits());
             if let Some(i) = differs {

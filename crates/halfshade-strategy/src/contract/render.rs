@@ -3,7 +3,7 @@
 use super::bounds::Violation;
 use super::scenes;
 use crate::{Baked, Effect, Params, Prepared, Strategy};
-use halfshade_scene::{Frame, RadianceBuffer, ReceiverBuffer, Scene, progress::Silent};
+use halfshade_scene::{Frame, RadianceBuffer, RadianceMut, ReceiverBuffer, Scene, progress::Silent};
 
 pub(super) fn baked(strategy: &dyn Strategy, params: &Params, scene: &Scene) -> Result<Box<dyn Baked>, Violation> {
     strategy.bake(scene, params, &Silent).map_err(|error| Violation(format!("bake: {error}")))
@@ -21,16 +21,28 @@ pub(super) fn lit(strategy: &dyn Strategy, scene: Scene) -> Scene {
     if strategy.info().effects.contains(Effect::EnvironmentLight) { scene } else { scenes::by_lamps(scene) }
 }
 
-pub(super) fn prepare<'a>(baked: &'a mut dyn Baked, frame: &Frame<'_>) -> Result<Box<dyn Prepared + 'a>, Violation> {
+/// The frame, and the receivers that it will be shaded for.
+pub(super) fn prepare<'a>(
+    baked: &'a mut dyn Baked,
+    frame: &Frame<'_>,
+    receivers: &ReceiverBuffer,
+) -> Result<Box<dyn Prepared + 'a>, Violation> {
+    let placed = baked.place_receivers(frame, receivers.view());
+    placed.map_err(|error| Violation(format!("place_receivers: {error}")))?;
     baked.prepare(frame).map_err(|error| Violation(format!("prepare: {error}")))
 }
 
-pub(super) fn shade(prepared: &dyn Prepared, receivers: &ReceiverBuffer) -> RadianceBuffer {
+pub(super) fn shade(prepared: &dyn Prepared, receivers: &ReceiverBuffer) -> Result<RadianceBuffer, Violation> {
     // Whoever writes nothing is found out.
     let mut out = RadianceBuffer::zeros(receivers.len());
     out.channels.iter_mut().for_each(|channel| channel.fill(f32::NAN));
     prepared.shade(receivers.view(), out.view_mut());
-    out
+    read_back(prepared, out.view_mut())?;
+    Ok(out)
+}
+
+pub(super) fn read_back(prepared: &dyn Prepared, out: RadianceMut<'_>) -> Result<(), Violation> {
+    prepared.read_back(out).map_err(|error| Violation(format!("read_back: {error}")))
 }
 
 /// The frame prepared and shaded.
@@ -39,7 +51,7 @@ pub(super) fn frame_of(
     frame: &Frame<'_>,
     receivers: &ReceiverBuffer,
 ) -> Result<RadianceBuffer, Violation> {
-    Ok(shade(prepare(baked, frame)?.as_ref(), receivers))
+    shade(prepare(baked, frame, receivers)?.as_ref(), receivers)
 }
 
 pub(super) fn rendered(

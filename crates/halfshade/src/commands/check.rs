@@ -38,7 +38,9 @@ pub(super) fn check(context: &Context, arguments: &CheckArguments) -> Result<Exi
         inputs: baseline.inputs.clone(),
         ..RunOptions::default()
     };
-    let results = context.with_tools(|tools| halfshade_harness::run::run(&experiment, tools, &options))?;
+    let graphics = context.graphics_for(&experiment.devices, None)?;
+    let results =
+        context.with_tools(graphics.as_ref(), |tools| halfshade_harness::run::run(&experiment, tools, &options))?;
     if results.experiment_hash != baseline.experiment_hash {
         context.bars.note("the experiment file has changed since the baseline was made");
     }

@@ -4,8 +4,9 @@ use crate::{
     band_limit, cli::SceneArguments, failure::Failure, revision::revision, strategies::strategies,
     terminal::ProgressBars,
 };
+use halfshade_gpu::{Choice, Gpu};
 use halfshade_harness::{
-    SystemClock,
+    Device, GraphicsDevice, SystemClock,
     output::{check_no_input, check_writable},
     run::Tools,
     scene_source,
@@ -24,6 +25,8 @@ pub(super) struct Context {
     pub(super) bars: ProgressBars,
     pub(super) clock: SystemClock,
     pub(super) strategies: Vec<Box<dyn Strategy>>,
+    /// Graphics device that is wanted, if it was said.
+    gpu: Option<Choice>,
     revision: String,
     /// The command as it was given.
     pub(super) arguments: Vec<OsString>,
@@ -31,7 +34,12 @@ pub(super) struct Context {
 
 impl Context {
     /// State at the start of a command that was given these `arguments`.
-    pub(super) fn new(cache: Option<PathBuf>, threads: Option<usize>, arguments: Vec<OsString>) -> Self {
+    pub(super) fn new(
+        cache: Option<PathBuf>,
+        threads: Option<usize>,
+        gpu: Option<Choice>,
+        arguments: Vec<OsString>,
+    ) -> Self {
         let cache = Cache::open(cache);
         Self {
             threads,
@@ -39,15 +47,41 @@ impl Context {
             clock: SystemClock::start(),
             strategies: strategies(&cache),
             cache,
+            gpu,
             revision: revision(),
             arguments,
         }
     }
 
+    /// The graphics device of that name, or the one that the user wants.
+    pub(super) fn graphics(&self, name: Option<&str>) -> Result<GraphicsDevice, Failure> {
+        let of_variable = || std::env::var("HALFSHADE_GPU").unwrap_or_default().parse().unwrap_or_default();
+        let choice = name.map(|name| Choice::Name(name.to_owned())).or_else(|| self.gpu.clone());
+        let choice = choice.unwrap_or_else(of_variable);
+        let gpu = Gpu::open(&choice).map_err(|error| Failure::Error(error.to_string()))?;
+        let off =
+            || Failure::Error("device `gpu` is asked for, but `--gpu off` or HALFSHADE_GPU=off forbids it".into());
+        let gpu = gpu.ok_or_else(off)?;
+        let facts = gpu.facts();
+        let kind = if facts.is_software { ", in software on the processor" } else { "" };
+        let description = format!("{}, {}{kind}", facts.name, facts.driver);
+        Ok(GraphicsDevice { description, strategies: halfshade_gpu::strategies(&gpu) })
+    }
+
+    /// The graphics device, if any of `devices` is one.
+    pub(super) fn graphics_for(
+        &self,
+        devices: &[Device],
+        name: Option<&str>,
+    ) -> Result<Option<GraphicsDevice>, Failure> {
+        devices.contains(&Device::Gpu).then(|| self.graphics(name)).transpose()
+    }
+
     /// Calls `work` with what the harness needs.
-    pub(super) fn with_tools<T>(&self, work: impl FnOnce(&Tools<'_>) -> T) -> T {
+    pub(super) fn with_tools<T>(&self, graphics: Option<&GraphicsDevice>, work: impl FnOnce(&Tools<'_>) -> T) -> T {
         work(&Tools {
             strategies: &self.strategies,
+            graphics,
             band_limit: &band_limit,
             cache: &self.cache,
             progress: &self.bars,

@@ -6,6 +6,10 @@ use crate::{
     failure::Failure,
     terminal,
 };
+use halfshade_gpu::{
+    AdapterFacts, devices,
+    kernels::{KERNELS, Kernel, MISSING, Missing, Twin},
+};
 use halfshade_scene::builtin::SCENES;
 use halfshade_strategy::{Info, ParameterKind, Preset};
 use serde_json::{Value, json};
@@ -24,9 +28,59 @@ pub(super) fn list(context: &Context, arguments: &ListArguments) -> Result<ExitC
         (ListChoice::Scenes, false) => {
             SCENES.iter().map(|(name, summary)| format!("{name}\n    {summary}\n")).collect()
         }
+        (ListChoice::Devices, true) => {
+            let devices: Vec<Value> = devices().iter().map(device_as_json).collect();
+            format!("{:#}\n", json!(devices))
+        }
+        (ListChoice::Devices, false) => devices_as_text(&devices()),
+        (ListChoice::Kernels, true) => format!("{:#}\n", kernels_as_json()),
+        (ListChoice::Kernels, false) => kernels_as_text(),
     };
     terminal::data(&text)?;
     Ok(ExitCode::SUCCESS)
+}
+
+fn devices_as_text(devices: &[AdapterFacts]) -> String {
+    if devices.is_empty() {
+        return "no graphics devices; for one in software, `apt-get install mesa-vulkan-drivers libvulkan1`\n".into();
+    }
+    let line = |(number, device): (usize, &AdapterFacts)| {
+        let kind = if device.is_software { ", in software" } else { "" };
+        format!("{number}: {}\n    {}{kind}\n", device.name, device.driver)
+    };
+    devices.iter().enumerate().map(line).collect()
+}
+
+fn device_as_json(device: &AdapterFacts) -> Value {
+    json!({ "name": device.name, "driver": device.driver, "software": device.is_software })
+}
+
+fn kernels_as_text() -> String {
+    let mut text = String::new();
+    for kernel in KERNELS {
+        text += &format!("{}  shaders/{}\n", kernel.name, kernel.shader);
+        for twin in kernel.twins {
+            text +=
+                &format!("    shaders/{} = {} within {:e}: {}\n", twin.shader, twin.cpu, twin.tolerance, twin.reason);
+        }
+    }
+    for missing in MISSING {
+        text += &format!("missing: {}; {}\n", missing.cpu, missing.instead);
+    }
+    text
+}
+
+fn kernels_as_json() -> Value {
+    let twin = |twin: &Twin| json!({ "shader": twin.shader, "cpu": twin.cpu, "tolerance": twin.tolerance, "reason": twin.reason });
+    let kernel = |kernel: &Kernel| {
+        let twins: Vec<Value> = kernel.twins.iter().map(twin).collect();
+        json!({ "name": kernel.name, "shader": kernel.shader, "buffers": kernel.buffers, "twins": twins })
+    };
+    let missing = |missing: &Missing| json!({ "cpu": missing.cpu, "instead": missing.instead });
+    json!({
+        "kernels": KERNELS.iter().map(kernel).collect::<Vec<_>>(),
+        "missing": MISSING.iter().map(missing).collect::<Vec<_>>(),
+    })
 }
 
 fn as_text(info: &Info) -> String {

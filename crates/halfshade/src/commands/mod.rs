@@ -19,7 +19,7 @@ use std::{ffi::OsString, process::ExitCode};
 
 /// Does what was asked.
 pub(crate) fn dispatch(cli: Cli, arguments: Vec<OsString>) -> Result<ExitCode, Failure> {
-    let context = Context::new(cli.cache, cli.threads, arguments);
+    let context = Context::new(cli.cache, cli.threads, cli.gpu, arguments);
     match cli.command {
         Command::Run(arguments) => run::run(&context, &arguments),
         Command::Check(arguments) => check::check(&context, &arguments),

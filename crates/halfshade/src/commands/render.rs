@@ -23,7 +23,15 @@ pub(super) fn render(context: &Context, arguments: &RenderArguments) -> Result<E
     check_extension(&output)?;
     context.prepare_output(&output)?;
     let mut scene = context.scene(&arguments.scene, &output)?;
-    let strategy = &context.strategies[variant.strategy];
+    let graphics = context.graphics_for(&[arguments.device.device()], arguments.device.name())?;
+    let strategy = match &graphics {
+        None => &context.strategies[variant.strategy],
+        Some(graphics) => {
+            let found = graphics.strategies.iter().find(|strategy| strategy.info().name == variant.name);
+            let missing = || format!("`{}` has no kernels for graphics devices yet; take --device cpu", variant.name);
+            found.ok_or_else(|| Failure::Error(missing()))?
+        }
+    };
     let missing = strategy.info().effects.missing(Effects::required_by(&scene));
     if !missing.is_empty() {
         return Err(Failure::Error(format!("`{}` can't model {missing}, which the scene requires", variant.name)));
@@ -46,9 +54,11 @@ pub(super) fn render(context: &Context, arguments: &RenderArguments) -> Result<E
     }
     let failed = |error: halfshade_strategy::StrategyError| Failure::Error(format!("`{}`: {error}", variant.label));
     let mut baked = strategy.bake(&scene, &variant.params, &context.bars).map_err(failed)?;
+    baked.place_receivers(&frame, receivers.view()).map_err(failed)?;
     let prepared = baked.prepare(&frame).map_err(failed)?;
     let mut radiance = RadianceBuffer::zeros(receivers.len());
     shade_all(prepared.as_ref(), receivers.view(), &mut radiance);
+    prepared.read_back(radiance.view_mut()).map_err(failed)?;
     let broken = count_not_finite(&radiance);
     if broken > 0 {
         return Err(Failure::Error(format!("`{}`: {broken} values are not finite", variant.label)));

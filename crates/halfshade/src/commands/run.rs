@@ -1,9 +1,13 @@
 //! `halfshade run`: the main job.
 
 use super::context::Context;
-use crate::{cli::RunArguments, failure::Failure, terminal};
+use crate::{
+    cli::{DeviceArgument, RunArguments},
+    failure::Failure,
+    terminal,
+};
 use halfshade_harness::{
-    Experiment,
+    Device, Experiment,
     report::{Format, page},
     run::RunOptions,
 };
@@ -13,7 +17,12 @@ use std::{ffi::OsString, path::PathBuf, process::ExitCode};
 pub(super) fn run(context: &Context, arguments: &RunArguments) -> Result<ExitCode, Failure> {
     let experiment = Experiment::load(&arguments.experiment)?;
     let out = arguments.out.clone().unwrap_or_else(|| PathBuf::from("out").join(&experiment.name));
+    let named: Vec<Device> = arguments.device.iter().map(DeviceArgument::device).collect();
+    let devices = if named.is_empty() { experiment.devices.clone() } else { named };
+    let name = arguments.device.iter().find_map(DeviceArgument::name);
+    let graphics = context.graphics_for(&devices, name)?;
     let options = RunOptions {
+        devices: Some(devices),
         threads: context.threads,
         quick: arguments.quick,
         resume: arguments.resume,
@@ -21,7 +30,8 @@ pub(super) fn run(context: &Context, arguments: &RunArguments) -> Result<ExitCod
         inputs: None,
     };
     on_interrupt(resume_command(&context.arguments))?;
-    let results = context.with_tools(|tools| halfshade_harness::run::run(&experiment, tools, &options))?;
+    let results =
+        context.with_tools(graphics.as_ref(), |tools| halfshade_harness::run::run(&experiment, tools, &options))?;
     let page = page(&results);
     for table in page.tables() {
         terminal::data(&format!("{}\n", table.write(Format::Markdown, &page.provenance)))?;

@@ -1,6 +1,7 @@
 //! Runs that are interrupted, resumed, repeated, or given folders and inputs that are not what they were: nothing is
 //! lost, and nothing is mixed.
 
+mod devices;
 mod folders;
 mod inputs;
 mod interruptions;

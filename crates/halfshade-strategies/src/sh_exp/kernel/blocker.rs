@@ -10,15 +10,17 @@ pub(crate) const UNSCALED: [f32; MAX_BANDS] = [1.0; MAX_BANDS];
 
 /// One sphere in light space.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Blocker {
-    pub(crate) center: [f32; 3],
-    pub(crate) radius: f32,
+pub struct Blocker {
+    /// Centre.
+    pub center: [f32; 3],
+    /// Radius.
+    pub radius: f32,
     /// How much of each band of its logarithm counts: shares of overlapping spheres, ratios of parents to children.
-    pub(crate) factors: [f32; MAX_BANDS],
+    pub factors: [f32; MAX_BANDS],
     /// Its number among the spheres of all levels.
-    pub(crate) emitter: u32,
+    pub emitter: u32,
     /// Factor of its reflected light: the ratio of a parent to its children.
-    pub(crate) reflection_factor: f32,
+    pub reflection_factor: f32,
 }
 
 /// The spheres that receivers see, and how they are looked at.

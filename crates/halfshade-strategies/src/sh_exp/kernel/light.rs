@@ -8,17 +8,20 @@ use wide::f32x8;
 
 /// Distant light that has been multiplied with the cosine, `L_ρ(n)` of [Guerrero2007, eq. 3.61], in the environment's space.
 #[derive(Debug, Clone)]
-pub(crate) struct DistantLightByNormal {
-    pub(crate) base: BaseByNormal,
-    pub(crate) sun: Option<SunLight>,
+pub struct DistantLightByNormal {
+    /// All but the sun.
+    pub base: BaseByNormal,
+    /// The sun.
+    pub sun: Option<SunLight>,
     /// Clamped cosine over π by band, times the rotation's sqrt(4π/(2l+1)) and the window: constant light.
-    pub(crate) cosine: Vec<f32>,
-    pub(crate) grid: OctahedralGrid,
+    pub cosine: Vec<f32>,
+    /// Nodes of the table.
+    pub grid: OctahedralGrid,
 }
 
 /// Distant light without its sun.
 #[derive(Debug, Clone)]
-pub(crate) enum BaseByNormal {
+pub enum BaseByNormal {
     /// The same radiance from everywhere.
     Constant(Vec3),
     /// Per node of the grid over normals and channel the coefficients of L_ρ, filled up with zeros.

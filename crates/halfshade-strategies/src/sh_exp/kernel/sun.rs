@@ -16,14 +16,16 @@ use wide::f32x8;
 
 /// A sun, ready to be multiplied with visibility.
 #[derive(Debug, Clone)]
-pub(crate) struct SunLight {
+pub struct SunLight {
     sun: Sun,
-    direction: [f32; 3],
-    sin_radius: f64,
+    /// Unit direction to its centre.
+    pub direction: [f32; 3],
+    /// Sine of its angular radius.
+    pub sin_radius: f64,
     /// Reflected radiance of a white surface that faces the sun.
-    perpendicular: [f32; 3],
+    pub perpendicular: [f32; 3],
     /// Mean of each basis function over the cap, windowed.
-    basis: Vec<f32>,
+    pub basis: Vec<f32>,
 }
 
 impl SunLight {

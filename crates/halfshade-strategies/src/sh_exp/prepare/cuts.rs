@@ -138,6 +138,11 @@ impl Cuts {
         &self.cuts[number]
     }
 
+    /// The blockers of every cut.
+    pub(crate) fn all(&self) -> impl Iterator<Item = &[Blocker]> {
+        self.cuts.iter().map(Vec::as_slice)
+    }
+
     /// Blockers of the largest cut.
     pub(crate) fn largest(&self) -> usize {
         let refined = self.coarse.iter().map(|coarse| coarse.refined.len());

@@ -27,6 +27,8 @@ pub(crate) struct FrameLight {
     bands: usize,
     window: Window,
     base: DistantLight,
+    /// How often the light was made anew.
+    pub(crate) changes: u32,
     pub(crate) by_normal: DistantLightByNormal,
 }
 
@@ -38,20 +40,22 @@ impl FrameLight {
         let base = by_normal(&environment.base, bands, grid, window);
         let sun = environment.sun.map(|sun| SunLight::new(bands, sun, window));
         let by_normal = DistantLightByNormal { base, sun, cosine, grid };
-        Self { bands, window, base: environment.base.clone(), by_normal }
+        Self { bands, window, base: environment.base.clone(), changes: 0, by_normal }
     }
 
     /// Makes the light anew where `environment` isn't that of the frame before.
     pub(crate) fn set(&mut self, environment: &Environment) {
-        let Self { bands, window, base, by_normal: light } = self;
+        let Self { bands, window, base, changes, by_normal: light } = self;
         if !base.is_same_as(&environment.base) {
             *base = environment.base.clone();
+            *changes += 1;
             light.base = by_normal(base, *bands, light.grid, *window);
         }
         if !match (&light.sun, &environment.sun) {
             (Some(known), Some(sun)) => known.is_of(sun),
             (known, sun) => known.is_none() && sun.is_none(),
         } {
+            *changes += 1;
             light.sun = environment.sun.map(|sun| SunLight::new(*bands, sun, *window));
         }
     }

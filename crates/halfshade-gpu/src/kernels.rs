@@ -1,0 +1,123 @@
+//! The table of kernels: which shader is the twin of which code, and how closely.
+
+/// A kernel in WGSL and its twin on the CPU.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Kernel {
+    /// Name.
+    pub name: &'static str,
+    /// File in `shaders/`, with an entry point `main`.
+    pub shader: &'static str,
+    /// Files whose functions it is made of, each with its twin on the CPU.
+    pub twins: &'static [Twin],
+    /// What it reads and writes, group by group.
+    pub buffers: &'static [&'static [&'static str]],
+}
+
+/// A WGSL file and the Rust whose numbers it gives.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Twin {
+    /// File in `shaders/`.
+    pub shader: &'static str,
+    /// The code on the CPU.
+    pub cpu: &'static str,
+    /// Largest difference, as a share of the largest value that the function takes.
+    pub tolerance: f64,
+    /// Why not less.
+    pub reason: &'static str,
+}
+
+/// Work of the CPU that has no kernel on graphics hardware yet.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Missing {
+    /// The code on the CPU.
+    pub cpu: &'static str,
+    /// What to do instead.
+    pub instead: &'static str,
+}
+
+const RECEIVERS: &[&str] = &["places", "normals", "albedos", "placements", "radiances"];
+
+const TANGENT_PLANE: Twin = Twin {
+    shader: "shared/tangent_plane.wgsl",
+    cpu: "halfshade_strategies::shared::tangent_plane",
+    tolerance: 2e-5,
+    reason: "square roots next to the tangent plane magnify rounding",
+};
+
+const OCTAHEDRAL: Twin = Twin {
+    shader: "common/octahedral.wgsl",
+    cpu: "halfshade_scene::light::OctahedralGrid::lookup_batch",
+    tolerance: 2e-5,
+    reason: "the place in a cell is a difference of numbers as large as the grid",
+};
+
+const CAP: Twin = Twin {
+    shader: "common/cap.wgsl",
+    cpu: "halfshade_scene::light::cap_irradiance",
+    tolerance: 1e-4,
+    reason: "double precision on the CPU; atan2 may err by 4096 units in the last place",
+};
+
+/// Light without visibility.
+pub const UNSHADOWED: Kernel = Kernel {
+    name: "unshadowed",
+    shader: "unshadowed/shade.wgsl",
+    twins: &[CAP, OCTAHEDRAL],
+    buffers: &[RECEIVERS, &["frame", "lights", "table"]],
+};
+
+/// Shadows of `sh-exp`.
+pub const SH_EXP: Kernel = Kernel {
+    name: "sh-exp",
+    shader: "sh_exp/shade.wgsl",
+    twins: &[
+        TANGENT_PLANE,
+        OCTAHEDRAL,
+        CAP,
+        Twin {
+            shader: "sh_exp/blocker.wgsl",
+            cpu: "halfshade_strategies::sh_exp::kernel::blocker",
+            tolerance: 2e-5,
+            reason: "that of the tangent plane",
+        },
+        Twin {
+            shader: "sh_exp/log_sum.wgsl",
+            cpu: "halfshade_strategies::sh_exp::kernel::log_sum",
+            tolerance: 2e-5,
+            reason: "that of the tangent plane",
+        },
+        Twin {
+            shader: "sh_exp/exponential.wgsl",
+            cpu: "halfshade_sh::kernel::BatchExponential",
+            tolerance: 1e-4,
+            reason: "every squaring doubles rounding, and there are ten for magnitudes of hundreds",
+        },
+        Twin {
+            shader: "sh_exp/product.wgsl",
+            cpu: "halfshade_strategies::sh_exp::kernel::product",
+            tolerance: 1e-4,
+            reason: "rounding of hundreds of products in turn",
+        },
+        Twin {
+            shader: "sh_exp/light.wgsl",
+            cpu: "halfshade_strategies::sh_exp::kernel::light",
+            tolerance: 1e-4,
+            reason: "those of its parts",
+        },
+    ],
+    buffers: &[RECEIVERS, &["frame", "blockers", "cuts", "tables"]],
+};
+
+/// All kernels.
+pub const KERNELS: &[Kernel] = &[UNSHADOWED, SH_EXP];
+
+/// All that has none.
+pub const MISSING: &[Missing] = &[
+    Missing { cpu: "halfshade_strategies::sh_exp::kernel::gather", instead: "bounces=0 or device `cpu`" },
+    Missing { cpu: "halfshade_strategies::sh_exp::kernel::ground", instead: "ground=ignored or device `cpu`" },
+    Missing { cpu: "halfshade_strategies::sh_exp::kernel::shares", instead: "exp=hybrid or device `cpu`" },
+    Missing { cpu: "halfshade_strategies::sh_exp::kernel::traced", instead: "exp=hybrid or device `cpu`" },
+    Missing { cpu: "halfshade_strategies::ray_traced", instead: "device `cpu`" },
+    Missing { cpu: "halfshade_strategies::shadow_field", instead: "device `cpu`" },
+    Missing { cpu: "halfshade_strategies::cosine_lobe", instead: "device `cpu`" },
+];

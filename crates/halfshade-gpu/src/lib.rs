@@ -1,0 +1,33 @@
+//! Strategies on graphics hardware: runners that keep data on the device and dispatch WGSL twins of the CPU kernels.
+//!
+//! A GPU is a *device* of a run, not another strategy: [`strategies`] gives those that have twins, under their own names and
+//! with their own parameters. `bake` and the CPU's part of `prepare` are the strategies' own; what they end in goes up, and
+//! `shade` is kernels. The kernels are WGSL files in `shaders/`, with functions of the stem of the Rust file that they are
+//! the twin of; [`kernels::KERNELS`] lists the pairs.
+
+mod choice;
+mod device;
+mod error;
+pub mod kernels;
+mod pipeline;
+mod receivers;
+mod runner;
+mod sh_exp;
+mod shader;
+mod unshadowed;
+#[cfg(test)]
+mod validation;
+
+pub use choice::Choice;
+pub use device::{AdapterFacts, Gpu, devices};
+pub use error::GpuError;
+pub use sh_exp::ShExpOnGpu;
+pub use unshadowed::UnshadowedOnGpu;
+
+use halfshade_strategy::Strategy;
+use std::sync::Arc;
+
+/// The strategies that have kernels for graphics hardware, to run on `gpu`.
+pub fn strategies(gpu: &Arc<Gpu>) -> Vec<Box<dyn Strategy>> {
+    vec![Box::new(UnshadowedOnGpu::new(gpu.clone())), Box::new(ShExpOnGpu::new(gpu.clone()))]
+}

@@ -1,0 +1,144 @@
+//! Kernels as pipelines, and their dispatches, with the device's clock at the boundaries of each pass.
+
+use crate::{Gpu, GpuError, device::DeviceBuffer, kernels::Kernel, shader};
+use std::sync::{Mutex, PoisonError};
+
+/// Invocations per workgroup, as the shaders say.
+pub(crate) const WORKGROUP: u32 = 64;
+
+/// Most receivers of one dispatch: as many as fit the workgroups of one dimension.
+pub(crate) const MOST_RECEIVERS: usize = 65_535 * WORKGROUP as usize;
+
+/// Most passes of a submission whose time is taken.
+const MOST_PASSES: u32 = 64;
+
+/// A kernel that is ready to run.
+#[derive(Debug)]
+pub(crate) struct Pipeline {
+    pipeline: wgpu::ComputePipeline,
+    name: &'static str,
+}
+
+/// One dispatch.
+#[derive(Debug)]
+pub(crate) struct Pass<'a> {
+    pub(crate) pipeline: &'a Pipeline,
+    pub(crate) bind_groups: Vec<&'a wgpu::BindGroup>,
+    /// Receivers, or whatever there is an invocation for each.
+    pub(crate) count: usize,
+}
+
+/// The device's clock at the passes of the last submission.
+#[derive(Debug)]
+pub(crate) struct PassClock {
+    queries: Option<Queries>,
+    /// Passes of the last submission.
+    passes: Mutex<u32>,
+}
+
+#[derive(Debug)]
+struct Queries {
+    set: wgpu::QuerySet,
+    resolved: DeviceBuffer,
+    staging: DeviceBuffer,
+    tick_secs: f64,
+}
+
+impl Pipeline {
+    /// The kernel with these values of its `override`s; `bands` for kernels of SH vectors.
+    pub(crate) fn new(
+        gpu: &Gpu,
+        kernel: &Kernel,
+        bands: Option<usize>,
+        constants: &[(&str, f64)],
+    ) -> Result<Self, GpuError> {
+        let code = shader::module(kernel.shader, bands);
+        let descriptor =
+            wgpu::ShaderModuleDescriptor { label: Some(kernel.name), source: wgpu::ShaderSource::Wgsl(code.into()) };
+        let module = gpu.device.create_shader_module(descriptor);
+        let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(kernel.name),
+            layout: None,
+            module: &module,
+            entry_point: Some("main"),
+            compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
+            cache: None,
+        });
+        gpu.check()?;
+        Ok(Self { pipeline, name: kernel.name })
+    }
+
+    /// The buffers of a group of bindings, from binding 0 on.
+    pub(crate) fn bind(&self, gpu: &Gpu, group: u32, buffers: &[&DeviceBuffer]) -> wgpu::BindGroup {
+        let resources = buffers.iter().map(|buffer| buffer.buffer.as_entire_binding());
+        let entry = |(resource, binding)| wgpu::BindGroupEntry { binding, resource };
+        let entries: Vec<_> = resources.zip(0..).map(entry).collect();
+        gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(self.name),
+            layout: &self.pipeline.get_bind_group_layout(group),
+            entries: &entries,
+        })
+    }
+}
+
+impl PassClock {
+    pub(crate) fn new(gpu: &Gpu) -> Result<Self, GpuError> {
+        let Some(tick_secs) = gpu.tick_secs else { return Ok(Self { queries: None, passes: Mutex::default() }) };
+        let count = 2 * MOST_PASSES;
+        let descriptor = wgpu::QuerySetDescriptor { label: Some("passes"), ty: wgpu::QueryType::Timestamp, count };
+        let bytes = u64::from(count) * 8;
+        let queries = Queries {
+            set: gpu.device.create_query_set(&descriptor),
+            resolved: gpu.query_results("times of passes", bytes)?,
+            staging: gpu.staging("times of passes", bytes)?,
+            tick_secs,
+        };
+        Ok(Self { queries: Some(queries), passes: Mutex::default() })
+    }
+
+    /// Runs the passes one after another and waits for them.
+    pub(crate) fn run(&self, gpu: &Gpu, passes: &[Pass<'_>]) -> Result<(), GpuError> {
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut timed = 0;
+        for (pass, number) in passes.iter().zip(0u32..) {
+            // One pass per kernel: within a pass, times may lie on the wrong side of its barriers.
+            let queries = self.queries.as_ref().filter(|_| number < MOST_PASSES);
+            timed += u32::from(queries.is_some());
+            let mut compute = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: Some(pass.pipeline.name),
+                timestamp_writes: queries.map(|queries| wgpu::ComputePassTimestampWrites {
+                    query_set: &queries.set,
+                    beginning_of_pass_write_index: Some(2 * number),
+                    end_of_pass_write_index: Some(2 * number + 1),
+                }),
+            });
+            compute.set_pipeline(&pass.pipeline.pipeline);
+            for (bindings, group) in pass.bind_groups.iter().zip(0..) {
+                compute.set_bind_group(group, *bindings, &[]);
+            }
+            compute.dispatch_workgroups((pass.count as u32).div_ceil(WORKGROUP), 1, 1);
+        }
+        *self.passes.lock().unwrap_or_else(PoisonError::into_inner) = timed;
+        gpu.queue.submit([encoder.finish()]);
+        gpu.wait()
+    }
+
+    /// Seconds of the last submission's passes by the device's clock, one after another; `None` without a clock.
+    ///
+    /// In a submission of its own: times that are copied where they are taken have been read as 0.
+    pub(crate) fn secs(&self, gpu: &Gpu) -> Result<Option<f64>, GpuError> {
+        let passes = *self.passes.lock().unwrap_or_else(PoisonError::into_inner);
+        let Some(queries) = self.queries.as_ref().filter(|_| passes > 0) else { return Ok(None) };
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        encoder.resolve_query_set(&queries.set, 0..2 * passes, &queries.resolved.buffer, 0);
+        let bytes = u64::from(passes) * 16;
+        encoder.copy_buffer_to_buffer(&queries.resolved.buffer, 0, &queries.staging.buffer, 0, bytes);
+        gpu.queue.submit([encoder.finish()]);
+        let ticks = gpu.read(&queries.staging, |bytes| {
+            let ticks = bytes.as_chunks::<8>().0.iter().map(|tick| u64::from_ne_bytes(*tick));
+            let ticks: Vec<u64> = ticks.take(2 * passes as usize).collect();
+            ticks.as_chunks::<2>().0.iter().map(|[begin, end]| end.saturating_sub(*begin)).sum::<u64>()
+        })?;
+        Ok(Some(ticks as f64 * queries.tick_secs))
+    }
+}

@@ -1,0 +1,253 @@
+//! Receivers on the device: their places on their objects go up once, the objects' places with every frame.
+
+use crate::{
+    Gpu, GpuError,
+    device::DeviceBuffer,
+    pipeline::{MOST_RECEIVERS, Pipeline},
+};
+use bytemuck::{Pod, Zeroable};
+use glam::{DMat3, DVec3, Vec3};
+use halfshade_scene::{Frame, RadianceMut, Receivers, SurfacePoint};
+use std::sync::{Mutex, PoisonError};
+
+/// Where an object is, as `common/receivers.wgsl` reads it: rows of the map to the space of the light.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub(crate) struct Placement {
+    pub(crate) position: [[f32; 4]; 3],
+    pub(crate) direction: [[f32; 4]; 3],
+}
+
+/// The space that kernels work in, from world space: `scale · rotation · (point - center)`.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct KernelSpace {
+    pub(crate) rotation: DMat3,
+    pub(crate) center: DVec3,
+    /// A power of two that brings lengths near 1: on graphics hardware small squares are 0.
+    pub(crate) scale: f64,
+}
+
+/// All receivers of the frames to come.
+#[derive(Debug, Default)]
+pub(crate) struct ResidentReceivers {
+    parts: Vec<Part>,
+    count: usize,
+    placements: Option<DeviceBuffer>,
+    staging: Mutex<Option<DeviceBuffer>>,
+    /// Receivers on objects that change their shape, whose places go up with every frame.
+    deforming: Option<Deforming>,
+}
+
+/// As many receivers as one dispatch takes.
+#[derive(Debug)]
+struct Part {
+    first: usize,
+    count: usize,
+    places: DeviceBuffer,
+    normals: DeviceBuffer,
+    albedos: DeviceBuffer,
+    radiances: DeviceBuffer,
+}
+
+#[derive(Debug)]
+struct Deforming {
+    object: Vec<u32>,
+    surface: Vec<SurfacePoint>,
+    group: Vec<u32>,
+    rest: Vec<[Vec3; 2]>,
+}
+
+impl KernelSpace {
+    /// A similarity that isn't turned and not moved far.
+    pub(crate) fn around(center: DVec3, rotation: DMat3, extent: f64) -> Self {
+        let scale = if extent > 0.0 && extent.is_finite() { extent.log2().round().exp2().recip() } else { 1.0 };
+        Self { rotation, center, scale }
+    }
+
+    /// About the middle of some points, or about 0 if they lie around it.
+    pub(crate) fn of_points(points: impl Iterator<Item = DVec3>, rotation: DMat3) -> Self {
+        let corners = points.filter(|point| point.is_finite()).fold(None, |corners: Option<(DVec3, DVec3)>, point| {
+            Some(corners.map_or((point, point), |(low, high)| (low.min(point), high.max(point))))
+        });
+        let (low, high) = corners.unwrap_or_default();
+        let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+        let far = middle.abs().cmpge(2.0 * half);
+        let center = DVec3::select(far, middle, DVec3::ZERO);
+        Self::around(center, rotation, (half + (middle - center).abs()).max_element())
+    }
+
+    /// A point of world space.
+    pub(crate) fn place(&self, point: DVec3) -> DVec3 {
+        self.scale * (self.rotation * (point - self.center))
+    }
+
+    /// Placements of all objects of a frame.
+    fn placements(&self, frame: &Frame<'_>) -> Vec<Placement> {
+        let of_object = |pose: &halfshade_scene::Pose| {
+            let direction = self.rotation * DMat3::from_quat(pose.rotation.as_dquat());
+            let position = direction * (f64::from(pose.scale) * self.scale);
+            let offset = self.place(pose.translation.as_dvec3());
+            let row = |matrix: DMat3, k: usize, last: f64| {
+                let row = matrix.row(k);
+                [row.x as f32, row.y as f32, row.z as f32, last as f32]
+            };
+            Placement {
+                position: std::array::from_fn(|k| row(position, k, offset[k])),
+                direction: std::array::from_fn(|k| row(direction, k, 0.0)),
+            }
+        };
+        // Last a place for what lies on no object.
+        frame.world_from_object.iter().chain([&halfshade_scene::Pose::IDENTITY]).map(of_object).collect()
+    }
+}
+
+impl ResidentReceivers {
+    /// Puts receivers of `frame` on the device; `group` is a number per receiver that kernels get with it.
+    pub(crate) fn new(
+        gpu: &Gpu,
+        frame: &Frame<'_>,
+        receivers: Receivers<'_>,
+        group: &dyn Fn(usize) -> u32,
+    ) -> Result<Self, GpuError> {
+        let count = receivers.len();
+        let rest: Vec<[Vec3; 2]> = (0..count).map(|i| at_rest(frame, receivers, i)).collect();
+        let groups: Vec<u32> = (0..count).map(group).collect();
+        let none = frame.world_from_object.len() as u32;
+        let objects: Vec<u32> = receivers.object.iter().map(|&object| object.min(none)).collect();
+        let mut parts = Vec::new();
+        for first in (0..count).step_by(MOST_RECEIVERS) {
+            let range = first..(first + MOST_RECEIVERS).min(count);
+            let (places, normals) = rows(&rest[range.clone()], &objects[range.clone()], &groups[range.clone()]);
+            let albedos: Vec<f32> =
+                receivers.albedo.iter().flat_map(|channel| &channel[range.clone()]).copied().collect();
+            let (mut place, mut normal, mut albedo) = (None, None, None);
+            gpu.write("places of receivers", &mut place, &places)?;
+            gpu.write("normals of receivers", &mut normal, &normals)?;
+            gpu.write("albedos of receivers", &mut albedo, &albedos)?;
+            let radiances = gpu.buffer("radiances", 12 * range.len() as u64)?;
+            if let (Some(places), Some(normals), Some(albedos)) = (place, normal, albedo) {
+                parts.push(Part { first, count: range.len(), places, normals, albedos, radiances });
+            }
+            // What is written is held twice until it is submitted.
+            gpu.queue.submit([]);
+        }
+        let deforms = frame.scene.objects.iter().any(|object| object.skin.is_some());
+        let deforming =
+            deforms.then(|| Deforming { object: objects, surface: receivers.surface.to_vec(), group: groups, rest });
+        Ok(Self { parts, count, placements: None, staging: Mutex::default(), deforming })
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.count
+    }
+
+    /// Brings the objects' places up to `frame`. True if bindings are to be made again.
+    pub(crate) fn place(&mut self, gpu: &Gpu, frame: &Frame<'_>, space: &KernelSpace) -> Result<bool, GpuError> {
+        if let Some(deforming) = &mut self.deforming {
+            deforming.follow(frame);
+            for part in &self.parts {
+                let range = part.first..part.first + part.count;
+                let Deforming { rest, object, group, .. } = &*deforming;
+                let (places, normals) = rows(&rest[range.clone()], &object[range.clone()], &group[range]);
+                gpu.queue.write_buffer(&part.places.buffer, 0, bytemuck::cast_slice(&places));
+                gpu.queue.write_buffer(&part.normals.buffer, 0, bytemuck::cast_slice(&normals));
+            }
+        }
+        gpu.write("placements of objects", &mut self.placements, &space.placements(frame))
+    }
+
+    /// Bindings of group 0 for every part, and how many receivers it has.
+    pub(crate) fn bind(&self, gpu: &Gpu, pipeline: &Pipeline) -> Vec<(wgpu::BindGroup, usize)> {
+        let Some(placements) = &self.placements else { return Vec::new() };
+        let bind = |part: &Part| {
+            let buffers = [&part.places, &part.normals, &part.albedos, placements, &part.radiances];
+            (pipeline.bind(gpu, 0, &buffers), part.count)
+        };
+        self.parts.iter().map(bind).collect()
+    }
+
+    /// Copies radiance back.
+    pub(crate) fn read_back(&self, gpu: &Gpu, out: &mut RadianceMut<'_>) -> Result<(), GpuError> {
+        let mut slot = self.staging.lock().unwrap_or_else(PoisonError::into_inner);
+        for part in &self.parts {
+            let bytes = 12 * part.count as u64;
+            if slot.as_ref().is_none_or(|staging| (staging.bytes() as u64) < bytes) {
+                *slot = Some(gpu.staging("radiances", bytes)?);
+            }
+            let Some(staging) = slot.as_ref() else { continue };
+            let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            encoder.copy_buffer_to_buffer(&part.radiances.buffer, 0, &staging.buffer, 0, bytes);
+            gpu.queue.submit([encoder.finish()]);
+            gpu.read(staging, |bytes| {
+                let values: &[f32] = bytemuck::cast_slice(bytes);
+                for (channel, values) in out.channels.iter_mut().zip(values.chunks_exact(part.count)) {
+                    channel[part.first..part.first + part.count].copy_from_slice(values);
+                }
+            })?;
+        }
+        Ok(())
+    }
+
+    pub(crate) fn bytes(&self) -> usize {
+        let of_part =
+            |part: &Part| [&part.places, &part.normals, &part.albedos, &part.radiances].map(DeviceBuffer::bytes);
+        let parts: usize = self.parts.iter().flat_map(of_part).sum();
+        parts + self.placements.as_ref().map_or(0, DeviceBuffer::bytes)
+    }
+}
+
+impl Deforming {
+    /// Where the receivers on objects that have left their rest are, in their objects' space.
+    fn follow(&mut self, frame: &Frame<'_>) {
+        for (i, place) in self.rest.iter_mut().enumerate() {
+            let object = self.object[i] as usize;
+            let Some(object_at_rest) = frame.scene.objects.get(object).filter(|object| object.skin.is_some()) else {
+                continue;
+            };
+            let mesh = &object_at_rest.mesh;
+            let Some(weights) = self.surface[i].weights(mesh) else { continue };
+            let (positions, normals) = match frame.deformed.get(object).and_then(Option::as_deref) {
+                Some(deformed) => (&deformed.positions, &deformed.normals),
+                None => (&mesh.positions, &mesh.normals),
+            };
+            let behind = matches!(self.surface[i], SurfacePoint::Triangle { from_behind: true, .. });
+            let mixed = |values: &[Vec3]| weights.parts().map(|(vertex, weight)| weight * values[vertex]).sum::<Vec3>();
+            let normal = mixed(normals).normalize_or_zero();
+            *place = [mixed(positions), if behind { -normal } else { normal }];
+        }
+    }
+}
+
+/// Position and normal of a receiver in its object's space.
+fn at_rest(frame: &Frame<'_>, receivers: Receivers<'_>, i: usize) -> [Vec3; 2] {
+    let object = receivers.object[i] as usize;
+    let (position, normal) = (receivers.position_at(i), receivers.normal_at(i));
+    let Some(pose) = frame.world_from_object.get(object) else { return [position, normal] };
+    if let SurfacePoint::Vertex(vertex) = receivers.surface[i]
+        && let Some(known) = frame.scene.objects.get(object)
+        && known.skin.is_none()
+        && let Some((&position, &normal)) =
+            known.mesh.positions.get(vertex as usize).zip(known.mesh.normals.get(vertex as usize))
+    {
+        return [position, normal];
+    }
+    let back = pose.rotation.as_dquat().conjugate();
+    let position = back * (position.as_dvec3() - pose.translation.as_dvec3()) / f64::from(pose.scale);
+    [position.as_vec3(), (back * normal.as_dvec3()).as_vec3()]
+}
+
+/// A vector and a number, as kernels read them.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub(crate) struct Row {
+    pub(crate) vector: [f32; 3],
+    pub(crate) number: u32,
+}
+
+/// Places and normals as kernels read them.
+fn rows(rest: &[[Vec3; 2]], object: &[u32], group: &[u32]) -> (Vec<Row>, Vec<Row>) {
+    let row = |vector: Vec3, number: u32| Row { vector: vector.to_array(), number };
+    let places = rest.iter().zip(object).map(|([position, _], &object)| row(*position, object)).collect();
+    let normals = rest.iter().zip(group).map(|([_, normal], &group)| row(*normal, group)).collect();
+    (places, normals)
+}

@@ -1,0 +1,156 @@
+//! A kernel over receivers, with everything that it reads on the device.
+
+use crate::{
+    Gpu, GpuError,
+    device::DeviceBuffer,
+    kernels::Kernel,
+    pipeline::{Pass, PassClock, Pipeline},
+    receivers::{KernelSpace, ResidentReceivers},
+};
+use halfshade_scene::{Frame, RadianceMut, Receivers};
+use halfshade_strategy::{Batching, Prepared, StrategyError};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A kernel, its receivers and its data.
+#[derive(Debug)]
+pub(crate) struct Runner {
+    gpu: Arc<Gpu>,
+    name: &'static str,
+    pipeline: Pipeline,
+    clock: PassClock,
+    receivers: ResidentReceivers,
+    uniforms: DeviceBuffer,
+    /// The buffers of group 1, from binding 1 on.
+    buffers: Vec<Option<DeviceBuffer>>,
+    /// Names of those buffers.
+    names: &'static [&'static str],
+    bindings: Option<Bindings>,
+    /// What went wrong while shading, for who reads back.
+    fault: Mutex<Option<GpuError>>,
+}
+
+#[derive(Debug)]
+struct Bindings {
+    /// Receivers of each part, and how many they are.
+    receivers: Vec<(wgpu::BindGroup, usize)>,
+    frame: wgpu::BindGroup,
+}
+
+/// The frame that was uploaded last, to be shaded.
+pub(crate) struct Uploaded<'a>(pub(crate) &'a Runner);
+
+impl Runner {
+    /// `constants` are values of the kernel's `override`s; `uniform_bytes` is the size of its frame's settings.
+    pub(crate) fn new(
+        gpu: Arc<Gpu>,
+        kernel: &Kernel,
+        bands: Option<usize>,
+        constants: &[(&str, f64)],
+        uniform_bytes: usize,
+    ) -> Result<Self, GpuError> {
+        let names = kernel.buffers.get(1).and_then(|group| group.get(1..)).unwrap_or_default();
+        Ok(Self {
+            name: kernel.name,
+            pipeline: Pipeline::new(&gpu, kernel, bands, constants)?,
+            clock: PassClock::new(&gpu)?,
+            receivers: ResidentReceivers::default(),
+            uniforms: gpu.uniforms("settings of the frame", uniform_bytes as u64)?,
+            buffers: names.iter().map(|_| None).collect(),
+            names,
+            bindings: None,
+            fault: Mutex::default(),
+            gpu,
+        })
+    }
+
+    /// Puts receivers on the device.
+    pub(crate) fn place_receivers(
+        &mut self,
+        frame: &Frame<'_>,
+        receivers: Receivers<'_>,
+        group: &dyn Fn(usize) -> u32,
+    ) -> Result<(), GpuError> {
+        self.bindings = None;
+        self.receivers = ResidentReceivers::default();
+        self.receivers = ResidentReceivers::new(&self.gpu, frame, receivers, group)?;
+        Ok(())
+    }
+
+    /// Brings the objects' places up to a frame.
+    pub(crate) fn place_objects(&mut self, frame: &Frame<'_>, space: &KernelSpace) -> Result<(), GpuError> {
+        if self.receivers.place(&self.gpu, frame, space)? {
+            self.bindings = None;
+        }
+        Ok(())
+    }
+
+    /// Writes the frame's settings.
+    pub(crate) fn write_uniforms<T: bytemuck::NoUninit>(&self, values: &T) {
+        self.gpu.queue.write_buffer(&self.uniforms.buffer, 0, bytemuck::bytes_of(values));
+    }
+
+    /// Writes the buffer of group 1 at a binding, from 1 on.
+    pub(crate) fn write<T: bytemuck::NoUninit>(&mut self, binding: usize, values: &[T]) -> Result<(), GpuError> {
+        let place = binding - 1;
+        if self.gpu.write(self.names[place], &mut self.buffers[place], values)? {
+            self.bindings = None;
+        }
+        Ok(())
+    }
+
+    /// Sends what was written on its way, and makes bindings anew if a buffer is another one.
+    pub(crate) fn upload(&mut self) -> Result<(), GpuError> {
+        self.gpu.queue.submit([]);
+        if self.bindings.is_none() {
+            let buffers = std::iter::once(&self.uniforms).chain(self.buffers.iter().flatten());
+            let frame = self.pipeline.bind(&self.gpu, 1, &buffers.collect::<Vec<_>>());
+            let receivers = self.receivers.bind(&self.gpu, &self.pipeline);
+            self.bindings = Some(Bindings { receivers, frame });
+        }
+        self.gpu.check()
+    }
+
+    fn run(&self, count: usize) -> Result<(), GpuError> {
+        if count != self.receivers.len() {
+            let placed = self.receivers.len();
+            return Err(GpuError::Refused(format!("{count} receivers are to be shaded, but {placed} were placed")));
+        }
+        let Some(Bindings { receivers, frame }) = &self.bindings else { return Ok(()) };
+        let passes = receivers.iter().map(|(places, count)| Pass {
+            pipeline: &self.pipeline,
+            bind_groups: vec![places, frame],
+            count: *count,
+        });
+        self.clock.run(&self.gpu, &passes.collect::<Vec<_>>())
+    }
+
+    /// Bytes of receivers, and of everything else.
+    pub(crate) fn bytes(&self) -> [usize; 2] {
+        let others: usize = self.buffers.iter().flatten().map(DeviceBuffer::bytes).sum();
+        [self.receivers.bytes(), others + self.uniforms.bytes()]
+    }
+}
+
+impl Prepared for Uploaded<'_> {
+    fn batching(&self) -> Batching {
+        Batching::WholeFrame
+    }
+
+    fn shade(&self, receivers: Receivers<'_>, _out: RadianceMut<'_>) {
+        let outcome = self.0.run(receivers.len());
+        *self.0.fault.lock().unwrap_or_else(PoisonError::into_inner) = outcome.err();
+    }
+
+    fn read_back(&self, mut out: RadianceMut<'_>) -> Result<(), StrategyError> {
+        let Runner { gpu, receivers, fault, name, .. } = self.0;
+        let told = |error: GpuError| StrategyError::Failed(format!("{name}: {error}"));
+        if let Some(error) = fault.lock().unwrap_or_else(PoisonError::into_inner).take() {
+            return Err(told(error));
+        }
+        receivers.read_back(gpu, &mut out).map_err(told)
+    }
+
+    fn device_secs(&self) -> Option<f64> {
+        self.0.clock.secs(&self.0.gpu).ok().flatten()
+    }
+}

@@ -1,0 +1,83 @@
+//! WGSL files of `shaders/`, put together: `#import "path"` stands for a file, once however often it is asked for.
+
+use std::collections::BTreeSet;
+
+macro_rules! sources {
+    ($($path:literal)*) => {
+        /// Every file of `shaders/`, by its path there.
+        pub(crate) const SOURCES: &[(&str, &str)] = &[
+            $(($path, include_str!(concat!("../../../shaders/", $path)))),*
+        ];
+    };
+}
+
+sources! {
+    "common/cap.wgsl"
+    "common/octahedral.wgsl"
+    "common/receivers.wgsl"
+    "sh_exp/blocker.wgsl"
+    "sh_exp/exponential.wgsl"
+    "sh_exp/frame.wgsl"
+    "sh_exp/light.wgsl"
+    "sh_exp/log_sum.wgsl"
+    "sh_exp/product.wgsl"
+    "sh_exp/shade.wgsl"
+    "shared/tangent_plane.wgsl"
+    "unshadowed/shade.wgsl"
+}
+
+/// The text of a file.
+pub(crate) fn source(path: &str) -> Option<&'static str> {
+    SOURCES.iter().find(|(known, _)| *known == path).map(|(_, text)| *text)
+}
+
+/// A whole module: the kernels of so many bands if it needs any, then the file at `path` after all that it imports. An import
+/// of a file that there isn't, is left as it stands, for the WGSL parser to refuse.
+pub(crate) fn module(path: &str, bands: Option<usize>) -> String {
+    let mut code = bands.and_then(halfshade_sh::wgsl::kernels).unwrap_or_default().to_owned();
+    include(path, &mut BTreeSet::new(), &mut code);
+    code
+}
+
+fn include<'a>(path: &'a str, included: &mut BTreeSet<&'a str>, code: &mut String) {
+    let Some(text) = source(path).filter(|_| included.insert(path)) else { return };
+    let imported = |line: &'static str| line.strip_prefix("#import \"")?.strip_suffix('"');
+    let imports = text.lines().filter_map(imported);
+    for path in imports.clone() {
+        include(path, included, code);
+    }
+    for line in text.lines() {
+        if imported(line).is_none_or(|path| source(path).is_none()) {
+            code.push_str(line);
+            code.push('\n');
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What lies in the folder is what is built in.
+    #[test]
+    fn every_file_is_listed() {
+        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shaders");
+        let mut found = Vec::new();
+        for folder in std::fs::read_dir(&root).unwrap().map(|entry| entry.unwrap()) {
+            for file in std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap()) {
+                let [folder, file] = [folder.file_name(), file.file_name()].map(|name| name.into_string().unwrap());
+                found.push(format!("{folder}/{file}"));
+            }
+        }
+        found.sort();
+        assert_eq!(found, SOURCES.iter().map(|(path, _)| *path).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn a_file_is_imported_once_and_before_it_is_used() {
+        let code = module("sh_exp/shade.wgsl", Some(4));
+        assert_eq!(code.matches("struct Blocker").count(), 1);
+        assert!(code.find("fn seen_from").unwrap() < code.find("fn log_sum").unwrap());
+        assert!(!code.contains("#import"));
+    }
+}

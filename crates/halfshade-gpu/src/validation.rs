@@ -1,0 +1,123 @@
+//! Shaders without a device: every kernel is parsed and validated, and its structs lie as those of the Rust that fills them.
+
+use crate::{kernels::KERNELS, receivers, sh_exp, shader, unshadowed};
+use halfshade_sh::wgsl::MAX_WGSL_BANDS;
+use naga::{
+    Module, TypeInner,
+    valid::{Capabilities, ModuleInfo, ValidationFlags, Validator},
+};
+
+/// A module that is right as far as naga can see.
+fn valid(name: &str, code: &str) -> (Module, ModuleInfo) {
+    let module =
+        naga::front::wgsl::parse_str(code).unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(code)));
+    let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
+    let info = validator.validate(&module).unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(code)));
+    (module, info)
+}
+
+/// Bytes of a struct, and the offsets of its members.
+fn layout(module: &Module, name: &str) -> (usize, Vec<usize>) {
+    let found = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name)).map(|(_, ty)| &ty.inner);
+    let Some(TypeInner::Struct { members, span }) = found else { panic!("no struct `{name}`") };
+    (*span as usize, members.iter().map(|member| member.offset as usize).collect())
+}
+
+#[test]
+fn every_kernel_is_valid_for_every_number_of_bands() {
+    for kernel in KERNELS {
+        for bands in 1..=MAX_WGSL_BANDS {
+            let name = format!("{} at {bands} bands", kernel.name);
+            let (module, _) = valid(&name, &shader::module(kernel.shader, Some(bands)));
+            assert_eq!(module.entry_points.len(), 1, "{name}");
+            assert_eq!(module.entry_points[0].workgroup_size, [crate::pipeline::WORKGROUP, 1, 1], "{name}");
+        }
+    }
+}
+
+/// The buffers that the table names are those of the shader, in its order; and no more than WebGPU binds by default.
+#[test]
+fn the_table_names_the_buffers_of_each_shader() {
+    for kernel in KERNELS {
+        let (module, _) = valid(kernel.name, &shader::module(kernel.shader, Some(4)));
+        let mut found: Vec<(u32, u32, &str)> = (module.global_variables.iter())
+            .filter_map(|(_, global)| Some((global.binding?.group, global.binding?.binding, global.name.as_deref()?)))
+            .collect();
+        found.sort_unstable();
+        let named = kernel
+            .buffers
+            .iter()
+            .zip(0..)
+            .flat_map(|(names, group)| names.iter().zip(0..).map(move |(name, binding)| (group, binding, *name)));
+        assert_eq!(found, named.collect::<Vec<_>>(), "{}", kernel.name);
+        let storage = module
+            .global_variables
+            .iter()
+            .filter(|(_, global)| matches!(global.space, naga::AddressSpace::Storage { .. }));
+        assert!(storage.count() <= 8, "{}", kernel.name);
+    }
+}
+
+/// Every file that a kernel is made of and that has functions is in its list of twins.
+#[test]
+fn every_file_of_functions_has_its_twin() {
+    for kernel in KERNELS {
+        let code = shader::module(kernel.shader, None);
+        for (path, text) in shader::SOURCES {
+            let is_entry = KERNELS.iter().any(|other| other.shader == *path);
+            let has_functions = text.contains("\nfn ") && !is_entry && *path != "common/receivers.wgsl";
+            let is_part = has_functions
+                && text.lines().rev().find(|line| line.starts_with("fn ")).is_some_and(|line| code.contains(line));
+            let is_listed = kernel.twins.iter().any(|twin| twin.shader == *path);
+            assert_eq!(is_part, is_listed, "{}: {path}", kernel.name);
+        }
+    }
+}
+
+#[test]
+fn structs_lie_in_rust_as_in_wgsl() {
+    use std::mem::offset_of;
+    let (module, _) = valid("sh-exp", &shader::module("sh_exp/shade.wgsl", Some(4)));
+    type Blocker = sh_exp::DeviceBlocker;
+    let blocker = [offset_of!(Blocker, center), offset_of!(Blocker, radius), offset_of!(Blocker, factors)];
+    let factors = offset_of!(Blocker, factors);
+    assert_eq!(layout(&module, "Blocker"), (size_of::<Blocker>(), [&blocker[..], &[factors + 16]].concat()));
+    type Frame = sh_exp::FrameUniforms;
+    let cosine = offset_of!(Frame, cosine);
+    let others = [
+        offset_of!(Frame, light),
+        offset_of!(Frame, sun_direction),
+        offset_of!(Frame, sun_perpendicular),
+        offset_of!(Frame, exponential_table),
+        offset_of!(Frame, light_table),
+        offset_of!(Frame, sun_table),
+        offset_of!(Frame, light_channels),
+        offset_of!(Frame, exponential_last),
+        offset_of!(Frame, exponential_limit),
+        offset_of!(Frame, exponential_per_magnitude),
+        offset_of!(Frame, grid_cells),
+    ];
+    assert_eq!(layout(&module, "Frame"), (size_of::<Frame>(), [&[cosine, cosine + 16], &others[..]].concat()));
+    type Placement = receivers::Placement;
+    let placement = vec![offset_of!(Placement, position), offset_of!(Placement, direction)];
+    assert_eq!(layout(&module, "Placement"), (size_of::<Placement>(), placement));
+    let row = vec![offset_of!(receivers::Row, vector), offset_of!(receivers::Row, number)];
+    assert_eq!(layout(&module, "Place"), (size_of::<receivers::Row>(), row.clone()));
+    assert_eq!(layout(&module, "Facing"), (size_of::<receivers::Row>(), row));
+
+    let (module, _) = valid("unshadowed", &shader::module("unshadowed/shade.wgsl", None));
+    type Light = unshadowed::DeviceLight;
+    let light = vec![offset_of!(Light, center), offset_of!(Light, radius), offset_of!(Light, radiance)];
+    assert_eq!(layout(&module, "Light"), (size_of::<Light>(), light));
+    type Plain = unshadowed::FrameUniforms;
+    let plain = vec![
+        offset_of!(Plain, constant),
+        offset_of!(Plain, sun_direction),
+        offset_of!(Plain, sun_radiance),
+        offset_of!(Plain, light_count),
+        offset_of!(Plain, is_tabulated),
+        offset_of!(Plain, grid_cells),
+        offset_of!(Plain, padding),
+    ];
+    assert_eq!(layout(&module, "Frame"), (size_of::<Plain>(), plain));
+}

@@ -1,0 +1,97 @@
+//! Strategies on a graphics device: the contract, and the CPU beside it.
+//!
+//! Without a device all of these report themselves ignored; with `HALFSHADE_REQUIRE_GPU=1` that is a failure.
+
+mod beside_the_cpu;
+
+use halfshade_gpu::{Choice, Gpu, strategies};
+use halfshade_strategies::{ShExp, Unshadowed};
+use halfshade_strategy::{
+    Params, Strategy,
+    contract::{self, Bounds, Violation},
+};
+use libtest_mimic::{Arguments, Failed, Trial};
+use std::{process::ExitCode, sync::Arc};
+
+/// Settings of `sh-exp` that have kernels.
+const SH_EXP: [&str; 8] = [
+    "bounces=0,exp=hybrid",
+    "bounces=0,exp=product",
+    "bounces=0,exp=series",
+    "bounces=0,exp=quadratic,bands=3",
+    "bounces=0,exp=optimal-linear,bands=2",
+    "bounces=0,exp=hybrid,bands=6,normals=16",
+    "bounces=0,exp=hybrid,clamp=on,rule=published,window=hann,squaring=published",
+    "bounces=0,levels=tree,rule=covering",
+];
+
+fn main() -> ExitCode {
+    let arguments = Arguments::from_args();
+    let choice: Choice = std::env::var("HALFSHADE_GPU").unwrap_or_default().parse().unwrap_or_default();
+    let gpu = Gpu::open(&choice);
+    let is_required = std::env::var_os("HALFSHADE_REQUIRE_GPU").is_some_and(|value| value == "1");
+    let mut trials = vec![
+        Trial::test("there_is_a_device", {
+            let problem = gpu.as_ref().err().map(ToString::to_string);
+            move || problem.map_or(Ok(()), |problem| Err(Failed::from(problem)))
+        })
+        .with_ignored_flag(!is_required),
+    ];
+    let gpu = gpu.ok().flatten();
+    let mut add = |name: String, test: Box<dyn FnOnce(Arc<Gpu>) -> Result<(), Failed> + Send>| {
+        let device = gpu.clone();
+        let run = move || device.map_or(Ok(()), test);
+        trials.push(Trial::test(name, run).with_ignored_flag(gpu.is_none()));
+    };
+    for (strategy, settings, bounds) in subjects() {
+        for (clause, check) in CLAUSES {
+            let test = move |gpu: Arc<Gpu>| {
+                let subject = on(&gpu, strategy);
+                let params = subject.info().parse(settings).map_err(|error| Failed::from(error.to_string()))?;
+                check(subject.as_ref(), &params, &bounds).map_err(|violation| Failed::from(violation.to_string()))
+            };
+            add(format!("{strategy}({settings})::{clause}"), Box::new(test));
+        }
+        add(
+            format!("{strategy}({settings})::as_on_the_cpu"),
+            Box::new(move |gpu| beside_the_cpu::compare(on(&gpu, strategy).as_ref(), cpu(strategy).as_ref(), settings)),
+        );
+    }
+    libtest_mimic::run(&arguments, trials).exit_code()
+}
+
+fn subjects() -> Vec<(&'static str, &'static str, Bounds)> {
+    let table = Bounds { constant: 1e-5, quadrature: 0.01, gloss: 0.01, rotation: 0.005, brightening: 0.0 };
+    // Ringing of few bands under a sun: a blocker beside the sun may brighten its ray.
+    let ringing = Bounds { brightening: 0.2, ..table };
+    let mut subjects = vec![("unshadowed", "", table)];
+    subjects.extend(SH_EXP.map(|settings| ("sh-exp", settings, ringing)));
+    subjects
+}
+
+type Clause = fn(&dyn Strategy, &Params, &Bounds) -> Result<(), Violation>;
+
+const CLAUSES: [(&str, Clause); 7] = [
+    ("no_blocker_gives_the_analytic_answer", contract::no_blocker_gives_the_analytic_answer),
+    ("gloss_is_modelled_or_refused", contract::gloss_is_modelled_or_refused),
+    ("rotating_everything_changes_nothing", contract::rotating_everything_changes_nothing),
+    ("adding_a_blocker_never_brightens", contract::adding_a_blocker_never_brightens),
+    ("splitting_a_batch_changes_no_bit", |strategy, params, _| {
+        contract::splitting_a_batch_changes_no_bit(strategy, params)
+    }),
+    ("preparing_twice_equals_once", |strategy, params, _| contract::preparing_twice_equals_once(strategy, params)),
+    ("every_output_is_finite", |strategy, params, _| contract::every_output_is_finite(strategy, params)),
+];
+
+/// A strategy of the device.
+fn on(gpu: &Arc<Gpu>, name: &str) -> Box<dyn Strategy> {
+    strategies(gpu).into_iter().find(|strategy| strategy.info().name == name).expect("a strategy that has kernels")
+}
+
+/// The same on the processor.
+fn cpu(name: &str) -> Box<dyn Strategy> {
+    match name {
+        "unshadowed" => Box::new(Unshadowed),
+        _ => Box::new(ShExp),
+    }
+}

@@ -1,0 +1,64 @@
+// Light times visibility at a white receiver: twin of `sh_exp/kernel/light.rs` and `sh_exp/kernel/sun.rs`.
+#import "common/cap.wgsl"
+#import "common/octahedral.wgsl"
+#import "sh_exp/frame.wgsl"
+
+override IS_CLAMPED: bool = false;
+
+const BASIS_0 = 0.28209479f;
+const SQRT_4PI = 3.5449077f;
+
+// What arrives, held between 0 and `most` if that is wanted.
+fn held(value: f32, most: f32) -> f32 {
+    return select(value, min(max(value, 0.0), most), IS_CLAMPED);
+}
+
+fn light(normal: vec3f, visibility: Sh) -> vec3f {
+    var radiance = vec3f(0.0);
+    if (frame.light_channels == 0u) {
+        let cosine = sh_times_bands(sh_basis(normal), sh_bands(frame.low_cosine, frame.high_cosine));
+        radiance = frame.light.xyz * held(sh_dot(cosine, visibility), 1.0);
+    } else {
+        radiance = tabulated_light(normal, visibility);
+    }
+    return radiance + sun(normal, visibility);
+}
+
+fn tabulated_light(normal: vec3f, visibility: Sh) -> vec3f {
+    let found = octahedral_lookup(normal, frame.grid_cells);
+    let parts = sh_parts(visibility);
+    var radiance = vec3f(0.0);
+    for (var channel = 0u; channel < frame.light_channels; channel++) {
+        let first = frame.light_table + (found.nodes * frame.light_channels + channel) * SH_PARTS;
+        var sum = 0.0;
+        var unshadowed = 0.0;
+        for (var part = 0u; part < SH_PARTS; part++) {
+            let value = tables[first.x + part] * found.weights.x + tables[first.y + part] * found.weights.y
+                + tables[first.z + part] * found.weights.z;
+            sum += dot(value, parts[part]);
+            if (part == 0u) {
+                unshadowed = value.x * SQRT_4PI;
+            }
+        }
+        radiance[channel] = held(sum, unshadowed);
+    }
+    return select(radiance, radiance.xxx, frame.light_channels == 1u);
+}
+
+fn sun(normal: vec3f, visibility: Sh) -> vec3f {
+    let sine = frame.sun_perpendicular.w;
+    if (sine <= 0.0) {
+        return vec3f(0.0);
+    }
+    var share = 0.0;
+    let parts = sh_parts(visibility);
+    for (var part = 0u; part < SH_PARTS; part++) {
+        share += dot(tables[frame.sun_table + part], parts[part]);
+    }
+    let cosine = dot(frame.sun_direction.xyz, normal);
+    var facing = max(cosine, 0.0);
+    if (abs(cosine) < sine * 1.000001) {
+        facing = cap_irradiance(cosine, sine) / (PI * sine * sine);
+    }
+    return frame.sun_perpendicular.xyz * (held(share, 1.0) * facing);
+}
