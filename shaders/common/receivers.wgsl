@@ -52,6 +52,15 @@ fn receiver_at(number: u32) -> Receiver {
     );
 }
 
+// Adds to the light that a receiver reflects, or begins with it.
+fn accumulate(number: u32, white: vec3f, is_first: bool) {
+    let count = receiver_count();
+    for (var channel = 0u; channel < 3u; channel++) {
+        let place = channel * count + number;
+        radiances[place] = select(radiances[place], 0.0, is_first) + white[channel] * albedos[place];
+    }
+}
+
 // Writes the light that a receiver reflects, of which `white` is what it would if it were white.
 fn reflect(number: u32, white: vec3f) {
     let count = receiver_count();

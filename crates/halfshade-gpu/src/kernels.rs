@@ -66,6 +66,33 @@ pub const UNSHADOWED: Kernel = Kernel {
     buffers: &[RECEIVERS, &["frame", "lights", "table"]],
 };
 
+/// Shadow rays.
+pub const RAY_TRACED: Kernel = Kernel {
+    name: "ray-traced",
+    shader: "ray_traced/shade.wgsl",
+    twins: &[
+        Twin {
+            shader: "ray_traced/random.wgsl",
+            cpu: "halfshade_strategies::ray_traced::shade::points",
+            tolerance: 1e-7,
+            reason: "24 bits of the same fixed-point numbers",
+        },
+        Twin {
+            shader: "ray_traced/light.wgsl",
+            cpu: "halfshade_strategies::ray_traced::prepare::light_sampler",
+            tolerance: 1e-3,
+            reason: "single precision next to the rim of a small sun",
+        },
+        Twin {
+            shader: "ray_traced/traverse.wgsl",
+            cpu: "halfshade_strategies::shared::triangle_rays",
+            tolerance: 1e-3,
+            reason: "a ray that grazes an edge may be decided otherwise: a share of all rays",
+        },
+    ],
+    buffers: &[RECEIVERS, &["frame", "nodes", "triangles", "rows"], &["part"]],
+};
+
 /// Shadows of `sh-exp`.
 pub const SH_EXP: Kernel = Kernel {
     name: "sh-exp",
@@ -109,7 +136,7 @@ pub const SH_EXP: Kernel = Kernel {
 };
 
 /// All kernels.
-pub const KERNELS: &[Kernel] = &[UNSHADOWED, SH_EXP];
+pub const KERNELS: &[Kernel] = &[UNSHADOWED, RAY_TRACED, SH_EXP];
 
 /// All that has none.
 pub const MISSING: &[Missing] = &[
@@ -117,7 +144,11 @@ pub const MISSING: &[Missing] = &[
     Missing { cpu: "halfshade_strategies::sh_exp::kernel::ground", instead: "ground=ignored or device `cpu`" },
     Missing { cpu: "halfshade_strategies::sh_exp::kernel::shares", instead: "exp=hybrid or device `cpu`" },
     Missing { cpu: "halfshade_strategies::sh_exp::kernel::traced", instead: "exp=hybrid or device `cpu`" },
-    Missing { cpu: "halfshade_strategies::ray_traced", instead: "device `cpu`" },
+    Missing {
+        cpu: "halfshade_strategies::ray_traced::shade::reflector",
+        instead: "device `cpu`, where anything is glossy",
+    },
+    Missing { cpu: "halfshade_scene::Mesh::is_cut_out", instead: "device `cpu`, where a mesh has holes by a mask" },
     Missing { cpu: "halfshade_strategies::shadow_field", instead: "device `cpu`" },
     Missing { cpu: "halfshade_strategies::cosine_lobe", instead: "device `cpu`" },
 ];

@@ -8,8 +8,10 @@
 mod choice;
 mod device;
 mod error;
+mod hierarchy;
 pub mod kernels;
 mod pipeline;
+mod ray_traced;
 mod receivers;
 mod runner;
 mod sh_exp;
@@ -21,6 +23,7 @@ mod validation;
 pub use choice::Choice;
 pub use device::{AdapterFacts, Gpu, devices};
 pub use error::GpuError;
+pub use ray_traced::RayTracedOnGpu;
 pub use sh_exp::ShExpOnGpu;
 pub use unshadowed::UnshadowedOnGpu;
 
@@ -29,5 +32,10 @@ use std::sync::Arc;
 
 /// The strategies that have kernels for graphics hardware, to run on `gpu`.
 pub fn strategies(gpu: &Arc<Gpu>) -> Vec<Box<dyn Strategy>> {
-    vec![Box::new(UnshadowedOnGpu::new(gpu.clone())), Box::new(ShExpOnGpu::new(gpu.clone()))]
+    let bench = runner::Bench { gpu: gpu.clone(), pipelines: Arc::default() };
+    vec![
+        Box::new(UnshadowedOnGpu::new(bench.clone())),
+        Box::new(RayTracedOnGpu::new(bench.clone())),
+        Box::new(ShExpOnGpu::new(bench)),
+    ]
 }

@@ -1,7 +1,10 @@
 //! Kernels as pipelines, and their dispatches, with the device's clock at the boundaries of each pass.
 
 use crate::{Gpu, GpuError, device::DeviceBuffer, kernels::Kernel, shader};
-use std::sync::{Mutex, PoisonError};
+use std::{
+    collections::BTreeMap,
+    sync::{Arc, Mutex, PoisonError},
+};
 
 /// Invocations per workgroup, as the shaders say.
 pub(crate) const WORKGROUP: u32 = 64;
@@ -19,11 +22,35 @@ pub(crate) struct Pipeline {
     name: &'static str,
 }
 
+/// All kernels that were made ready, so that none is compiled twice: in software that takes seconds.
+#[derive(Debug, Default)]
+pub(crate) struct Pipelines(Mutex<BTreeMap<String, Arc<Pipeline>>>);
+
+impl Pipelines {
+    /// The kernel with these values of its `override`s; `bands` for kernels of SH vectors.
+    pub(crate) fn get(
+        &self,
+        gpu: &Gpu,
+        kernel: &Kernel,
+        bands: Option<usize>,
+        constants: &[(&str, f64)],
+    ) -> Result<Arc<Pipeline>, GpuError> {
+        let key = format!("{} {bands:?} {constants:?}", kernel.name);
+        let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(pipeline) = known.get(&key) {
+            return Ok(pipeline.clone());
+        }
+        let pipeline = Arc::new(Pipeline::new(gpu, kernel, bands, constants)?);
+        known.insert(key, pipeline.clone());
+        Ok(pipeline)
+    }
+}
+
 /// One dispatch.
 #[derive(Debug)]
 pub(crate) struct Pass<'a> {
     pub(crate) pipeline: &'a Pipeline,
-    pub(crate) bind_groups: Vec<&'a wgpu::BindGroup>,
+    pub(crate) bind_groups: Vec<wgpu::BindGroup>,
     /// Receivers, or whatever there is an invocation for each.
     pub(crate) count: usize,
 }
@@ -45,13 +72,7 @@ struct Queries {
 }
 
 impl Pipeline {
-    /// The kernel with these values of its `override`s; `bands` for kernels of SH vectors.
-    pub(crate) fn new(
-        gpu: &Gpu,
-        kernel: &Kernel,
-        bands: Option<usize>,
-        constants: &[(&str, f64)],
-    ) -> Result<Self, GpuError> {
+    fn new(gpu: &Gpu, kernel: &Kernel, bands: Option<usize>, constants: &[(&str, f64)]) -> Result<Self, GpuError> {
         let code = shader::module(kernel.shader, bands);
         let descriptor =
             wgpu::ShaderModuleDescriptor { label: Some(kernel.name), source: wgpu::ShaderSource::Wgsl(code.into()) };
@@ -99,11 +120,10 @@ impl PassClock {
     /// Runs the passes one after another and waits for them.
     pub(crate) fn run(&self, gpu: &Gpu, passes: &[Pass<'_>]) -> Result<(), GpuError> {
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        let mut timed = 0;
+        // Of some alone nothing would follow for all.
+        let queries = self.queries.as_ref().filter(|_| passes.len() <= MOST_PASSES as usize);
         for (pass, number) in passes.iter().zip(0u32..) {
             // One pass per kernel: within a pass, times may lie on the wrong side of its barriers.
-            let queries = self.queries.as_ref().filter(|_| number < MOST_PASSES);
-            timed += u32::from(queries.is_some());
             let mut compute = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
                 label: Some(pass.pipeline.name),
                 timestamp_writes: queries.map(|queries| wgpu::ComputePassTimestampWrites {
@@ -114,11 +134,11 @@ impl PassClock {
             });
             compute.set_pipeline(&pass.pipeline.pipeline);
             for (bindings, group) in pass.bind_groups.iter().zip(0..) {
-                compute.set_bind_group(group, *bindings, &[]);
+                compute.set_bind_group(group, bindings, &[]);
             }
             compute.dispatch_workgroups((pass.count as u32).div_ceil(WORKGROUP), 1, 1);
         }
-        *self.passes.lock().unwrap_or_else(PoisonError::into_inner) = timed;
+        *self.passes.lock().unwrap_or_else(PoisonError::into_inner) = queries.map_or(0, |_| passes.len() as u32);
         gpu.queue.submit([encoder.finish()]);
         gpu.wait()
     }

@@ -4,19 +4,26 @@ use crate::{
     Gpu, GpuError,
     device::DeviceBuffer,
     kernels::Kernel,
-    pipeline::{Pass, PassClock, Pipeline},
+    pipeline::{Pass, PassClock, Pipeline, Pipelines},
     receivers::{KernelSpace, ResidentReceivers},
 };
 use halfshade_scene::{Frame, RadianceMut, Receivers};
 use halfshade_strategy::{Batching, Prepared, StrategyError};
 use std::sync::{Arc, Mutex, PoisonError};
 
+/// A device, and the kernels that were made ready for it.
+#[derive(Debug, Clone)]
+pub(crate) struct Bench {
+    pub(crate) gpu: Arc<Gpu>,
+    pub(crate) pipelines: Arc<Pipelines>,
+}
+
 /// A kernel, its receivers and its data.
 #[derive(Debug)]
 pub(crate) struct Runner {
     gpu: Arc<Gpu>,
     name: &'static str,
-    pipeline: Pipeline,
+    pipeline: Arc<Pipeline>,
     clock: PassClock,
     receivers: ResidentReceivers,
     uniforms: DeviceBuffer,
@@ -25,6 +32,8 @@ pub(crate) struct Runner {
     /// Names of those buffers.
     names: &'static [&'static str],
     bindings: Option<Bindings>,
+    /// Settings of each dispatch, where a frame takes several, and their bindings of group 2.
+    parts: Vec<(DeviceBuffer, wgpu::BindGroup)>,
     /// What went wrong while shading, for who reads back.
     fault: Mutex<Option<GpuError>>,
 }
@@ -42,7 +51,7 @@ pub(crate) struct Uploaded<'a>(pub(crate) &'a Runner);
 impl Runner {
     /// `constants` are values of the kernel's `override`s; `uniform_bytes` is the size of its frame's settings.
     pub(crate) fn new(
-        gpu: Arc<Gpu>,
+        Bench { gpu, pipelines }: &Bench,
         kernel: &Kernel,
         bands: Option<usize>,
         constants: &[(&str, f64)],
@@ -51,16 +60,29 @@ impl Runner {
         let names = kernel.buffers.get(1).and_then(|group| group.get(1..)).unwrap_or_default();
         Ok(Self {
             name: kernel.name,
-            pipeline: Pipeline::new(&gpu, kernel, bands, constants)?,
-            clock: PassClock::new(&gpu)?,
+            pipeline: pipelines.get(gpu, kernel, bands, constants)?,
+            clock: PassClock::new(gpu)?,
             receivers: ResidentReceivers::default(),
             uniforms: gpu.uniforms("settings of the frame", uniform_bytes as u64)?,
             buffers: names.iter().map(|_| None).collect(),
             names,
             bindings: None,
+            parts: Vec::new(),
             fault: Mutex::default(),
-            gpu,
+            gpu: gpu.clone(),
         })
+    }
+
+    /// Shades a frame in as many dispatches as there are `parts`, one after another.
+    pub(crate) fn set_parts(&mut self, parts: &[[u32; 4]]) -> Result<(), GpuError> {
+        self.parts.clear();
+        for part in parts {
+            let buffer = self.gpu.uniforms("settings of a dispatch", size_of_val(part) as u64)?;
+            self.gpu.queue.write_buffer(&buffer.buffer, 0, bytemuck::bytes_of(part));
+            let bindings = self.pipeline.bind(&self.gpu, 2, &[&buffer]);
+            self.parts.push((buffer, bindings));
+        }
+        self.gpu.check()
     }
 
     /// Puts receivers on the device.
@@ -98,6 +120,13 @@ impl Runner {
         Ok(())
     }
 
+    /// Writes the beginning of a buffer of group 1 that was written before.
+    pub(crate) fn write_part<T: bytemuck::NoUninit>(&self, binding: usize, values: &[T]) {
+        if let Some(buffer) = self.buffers[binding - 1].as_ref().filter(|_| !values.is_empty()) {
+            self.gpu.queue.write_buffer(&buffer.buffer, 0, bytemuck::cast_slice(values));
+        }
+    }
+
     /// Sends what was written on its way, and makes bindings anew if a buffer is another one.
     pub(crate) fn upload(&mut self) -> Result<(), GpuError> {
         self.gpu.queue.submit([]);
@@ -116,12 +145,18 @@ impl Runner {
             return Err(GpuError::Refused(format!("{count} receivers are to be shaded, but {placed} were placed")));
         }
         let Some(Bindings { receivers, frame }) = &self.bindings else { return Ok(()) };
-        let passes = receivers.iter().map(|(places, count)| Pass {
-            pipeline: &self.pipeline,
-            bind_groups: vec![places, frame],
-            count: *count,
-        });
-        self.clock.run(&self.gpu, &passes.collect::<Vec<_>>())
+        let mut passes = Vec::new();
+        for (places, count) in receivers {
+            let mut add = |part: Option<&'_ wgpu::BindGroup>| {
+                let bind_groups = [places, frame].into_iter().chain(part).cloned().collect();
+                passes.push(Pass { pipeline: &self.pipeline, bind_groups, count: *count });
+            };
+            match self.parts.as_slice() {
+                [] => add(None),
+                parts => parts.iter().for_each(|(_, part)| add(Some(part))),
+            }
+        }
+        self.clock.run(&self.gpu, &passes)
     }
 
     /// Bytes of receivers, and of everything else.

@@ -1,10 +1,9 @@
 //! `sh-exp` on the device: shadows.
 
 use crate::{
-    Gpu,
     kernels::SH_EXP,
     receivers::KernelSpace,
-    runner::{Runner, Uploaded},
+    runner::{Bench, Runner, Uploaded},
 };
 use bytemuck::{Pod, Zeroable};
 use halfshade_scene::{
@@ -20,12 +19,11 @@ use halfshade_strategies::{
     },
 };
 use halfshade_strategy::{Baked, Footprint, Info, Params, Prepared, Strategy, StrategyError};
-use std::sync::Arc;
 
 /// [`ShExp`], whose receivers are shaded on the device.
 #[derive(Debug)]
 pub struct ShExpOnGpu {
-    gpu: Arc<Gpu>,
+    bench: Bench,
 }
 
 /// A sphere, as `sh_exp/frame.wgsl` reads it.
@@ -70,8 +68,8 @@ struct Tables {
 }
 
 impl ShExpOnGpu {
-    pub(crate) fn new(gpu: Arc<Gpu>) -> Self {
-        Self { gpu }
+    pub(crate) fn new(bench: Bench) -> Self {
+        Self { bench }
     }
 }
 
@@ -87,7 +85,7 @@ impl Strategy for ShExpOnGpu {
             return Err(StrategyError::Unsupported(format!("no kernels for graphics devices yet: {missing}")));
         }
         let (bands, constants) = (arrays.bands, constants(&arrays));
-        let runner = Runner::new(self.gpu.clone(), &SH_EXP, Some(bands), &constants, size_of::<FrameUniforms>())?;
+        let runner = Runner::new(&self.bench, &SH_EXP, Some(bands), &constants, size_of::<FrameUniforms>())?;
         Ok(Box::new(BakedOnGpu { baked, runner, light_changes: None }))
     }
 }

@@ -1,22 +1,21 @@
 //! `unshadowed` on the device.
 
 use crate::{
-    Gpu,
     kernels::UNSHADOWED,
     receivers::KernelSpace,
-    runner::{Runner, Uploaded},
+    runner::{Bench, Runner, Uploaded},
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, Vec3};
 use halfshade_scene::{Frame, Progress, Receivers, Scene, SphereLight, light::DistantLight};
 use halfshade_strategies::{Unshadowed, unshadowed::Irradiance};
 use halfshade_strategy::{Baked, Footprint, Info, Params, Prepared, Strategy, StrategyError};
-use std::{f32::consts::PI, sync::Arc};
+use std::f32::consts::PI;
 
 /// [`Unshadowed`], whose light is added up on the device.
 #[derive(Debug)]
 pub struct UnshadowedOnGpu {
-    gpu: Arc<Gpu>,
+    bench: Bench,
 }
 
 /// Settings of a frame, as the shader reads them.
@@ -46,8 +45,8 @@ struct BakedOnGpu {
 }
 
 impl UnshadowedOnGpu {
-    pub(crate) fn new(gpu: Arc<Gpu>) -> Self {
-        Self { gpu }
+    pub(crate) fn new(bench: Bench) -> Self {
+        Self { bench }
     }
 }
 
@@ -61,7 +60,7 @@ impl Strategy for UnshadowedOnGpu {
     }
 
     fn bake(&self, scene: &Scene, params: &Params, _: &dyn Progress) -> Result<Box<dyn Baked>, StrategyError> {
-        let runner = Runner::new(self.gpu.clone(), &UNSHADOWED, None, &[], size_of::<FrameUniforms>())?;
+        let runner = Runner::new(&self.bench, &UNSHADOWED, None, &[], size_of::<FrameUniforms>())?;
         let mut baked = BakedOnGpu { irradiance: Unshadowed::irradiance(scene, params), runner };
         baked.write_table()?;
         Ok(Box::new(baked))

@@ -1,6 +1,6 @@
 //! Shaders without a device: every kernel is parsed and validated, and its structs lie as those of the Rust that fills them.
 
-use crate::{kernels::KERNELS, receivers, sh_exp, shader, unshadowed};
+use crate::{hierarchy::Node, kernels::KERNELS, ray_traced, receivers, sh_exp, shader, unshadowed};
 use halfshade_sh::wgsl::MAX_WGSL_BANDS;
 use naga::{
     Module, TypeInner,
@@ -104,6 +104,43 @@ fn structs_lie_in_rust_as_in_wgsl() {
     let row = vec![offset_of!(receivers::Row, vector), offset_of!(receivers::Row, number)];
     assert_eq!(layout(&module, "Place"), (size_of::<receivers::Row>(), row.clone()));
     assert_eq!(layout(&module, "Facing"), (size_of::<receivers::Row>(), row));
+
+    let (module, _) = valid("ray-traced", &shader::module("ray_traced/shade.wgsl", None));
+    let node = vec![
+        offset_of!(Node, left_low),
+        offset_of!(Node, left),
+        offset_of!(Node, left_high),
+        offset_of!(Node, right),
+        offset_of!(Node, right_low),
+        offset_of!(Node, padding),
+        offset_of!(Node, right_high),
+        offset_of!(Node, more_padding),
+    ];
+    assert_eq!(layout(&module, "Node"), (size_of::<Node>(), node));
+    type Rays = ray_traced::FrameUniforms;
+    let rays = vec![
+        offset_of!(Rays, environment),
+        offset_of!(Rays, constant),
+        offset_of!(Rays, sun),
+        offset_of!(Rays, sun_radiance),
+        offset_of!(Rays, plane_steps),
+        offset_of!(Rays, space_steps),
+        offset_of!(Rays, space_last_step),
+        offset_of!(Rays, samples),
+        offset_of!(Rays, cosine_share),
+        offset_of!(Rays, base_power),
+        offset_of!(Rays, sun_power),
+        offset_of!(Rays, map_width),
+        offset_of!(Rays, map_height),
+        offset_of!(Rays, instances),
+        offset_of!(Rays, instance_count),
+        offset_of!(Rays, lights),
+        offset_of!(Rays, light_count),
+        offset_of!(Rays, texels),
+        offset_of!(Rays, aliases),
+        offset_of!(Rays, padding),
+    ];
+    assert_eq!(layout(&module, "Frame"), (size_of::<Rays>(), rays));
 
     let (module, _) = valid("unshadowed", &shader::module("unshadowed/shade.wgsl", None));
     type Light = unshadowed::DeviceLight;

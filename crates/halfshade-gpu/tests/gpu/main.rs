@@ -5,7 +5,7 @@
 mod beside_the_cpu;
 
 use halfshade_gpu::{Choice, Gpu, strategies};
-use halfshade_strategies::{ShExp, Unshadowed};
+use halfshade_strategies::{RayTraced, ShExp, Unshadowed};
 use halfshade_strategy::{
     Params, Strategy,
     contract::{self, Bounds, Violation},
@@ -37,24 +37,24 @@ fn main() -> ExitCode {
         })
         .with_ignored_flag(!is_required),
     ];
-    let gpu = gpu.ok().flatten();
-    let mut add = |name: String, test: Box<dyn FnOnce(Arc<Gpu>) -> Result<(), Failed> + Send>| {
-        let device = gpu.clone();
+    let on_device: Option<Arc<Strategies>> = gpu.ok().flatten().map(|gpu| Arc::new(strategies(&gpu)));
+    let mut add = |name: String, test: Box<dyn FnOnce(Arc<Strategies>) -> Result<(), Failed> + Send>| {
+        let device = on_device.clone();
         let run = move || device.map_or(Ok(()), test);
-        trials.push(Trial::test(name, run).with_ignored_flag(gpu.is_none()));
+        trials.push(Trial::test(name, run).with_ignored_flag(on_device.is_none()));
     };
     for (strategy, settings, bounds) in subjects() {
         for (clause, check) in CLAUSES {
-            let test = move |gpu: Arc<Gpu>| {
-                let subject = on(&gpu, strategy);
+            let test = move |strategies: Arc<Strategies>| {
+                let subject = on(&strategies, strategy);
                 let params = subject.info().parse(settings).map_err(|error| Failed::from(error.to_string()))?;
-                check(subject.as_ref(), &params, &bounds).map_err(|violation| Failed::from(violation.to_string()))
+                check(subject, &params, &bounds).map_err(|violation| Failed::from(violation.to_string()))
             };
             add(format!("{strategy}({settings})::{clause}"), Box::new(test));
         }
         add(
             format!("{strategy}({settings})::as_on_the_cpu"),
-            Box::new(move |gpu| beside_the_cpu::compare(on(&gpu, strategy).as_ref(), cpu(strategy).as_ref(), settings)),
+            Box::new(move |all| beside_the_cpu::compare(on(&all, strategy), cpu(strategy).as_ref(), settings)),
         );
     }
     libtest_mimic::run(&arguments, trials).exit_code()
@@ -64,7 +64,19 @@ fn subjects() -> Vec<(&'static str, &'static str, Bounds)> {
     let table = Bounds { constant: 1e-5, quadrature: 0.01, gloss: 0.01, rotation: 0.005, brightening: 0.0 };
     // Ringing of few bands under a sun: a blocker beside the sun may brighten its ray.
     let ringing = Bounds { brightening: 0.2, ..table };
-    let mut subjects = vec![("unshadowed", "", table)];
+    // Samples are turned neither with the scene nor with its number of blockers.
+    let noise = Bounds { constant: 1e-4, quadrature: 0.1, gloss: 0.1, rotation: 0.25, brightening: 0.25 };
+    let mut subjects = vec![
+        ("unshadowed", "", table),
+        ("ray-traced", "samples=256", Bounds { quadrature: 0.15, ..noise }),
+        ("ray-traced", "samples=512,sampling=light", Bounds { quadrature: 0.3, constant: 0.1, ..noise }),
+        // One ray in five hundred finds the sun, one in ninety the lamp.
+        (
+            "ray-traced",
+            "samples=1024,sampling=cosine",
+            Bounds { quadrature: 0.8, rotation: 1.5, brightening: 1.5, ..noise },
+        ),
+    ];
     subjects.extend(SH_EXP.map(|settings| ("sh-exp", settings, ringing)));
     subjects
 }
@@ -83,15 +95,19 @@ const CLAUSES: [(&str, Clause); 7] = [
     ("every_output_is_finite", |strategy, params, _| contract::every_output_is_finite(strategy, params)),
 ];
 
+type Strategies = Vec<Box<dyn Strategy>>;
+
 /// A strategy of the device.
-fn on(gpu: &Arc<Gpu>, name: &str) -> Box<dyn Strategy> {
-    strategies(gpu).into_iter().find(|strategy| strategy.info().name == name).expect("a strategy that has kernels")
+fn on<'a>(strategies: &'a Strategies, name: &str) -> &'a dyn Strategy {
+    let found = strategies.iter().find(|strategy| strategy.info().name == name);
+    found.expect("a strategy that has kernels").as_ref()
 }
 
 /// The same on the processor.
 fn cpu(name: &str) -> Box<dyn Strategy> {
     match name {
         "unshadowed" => Box::new(Unshadowed),
+        "ray-traced" => Box::new(RayTraced),
         _ => Box::new(ShExp),
     }
 }

@@ -25,7 +25,7 @@ fn at(translation: Vec3) -> Pose {
 
 /// A ball of radius 1 over a plane of 4 by 4, its middle 2 above.
 fn ball_over_plane() -> Scene {
-    let plane = object("plane", shapes::plane(16), Pose { scale: 2.0, ..Pose::IDENTITY });
+    let plane = object("plane", shapes::plane(10), Pose { scale: 2.0, ..Pose::IDENTITY });
     let ball = object("ball", shapes::sphere(16), at(2.0 * Vec3::Y));
     Scene::at_rest("ball over plane", vec![plane, ball], Environment::constant(Vec3::ONE))
 }

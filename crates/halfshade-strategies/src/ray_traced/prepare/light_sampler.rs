@@ -11,14 +11,19 @@ use std::f64::consts::{PI, TAU};
 ///
 /// The density per steradian is the sum of the channels of the radiance that would arrive from a direction if nothing
 /// blocked, divided by its integral: one density for all lights together, with no weights to choose.
-pub(crate) struct LightSampler {
-    base: DistantLight,
-    alias: AliasTable,
+pub struct LightSampler {
+    /// The environment without its sun.
+    pub base: DistantLight,
+    /// Its texels in proportion to their power.
+    pub alias: AliasTable,
     /// ∫ of the base's radiance over the directions that are drawn: all of them for a map, a hemisphere for constant light.
-    base_power: f64,
-    sun: Option<(Sun, f64)>,
-    lights: Vec<SphereLight>,
-    environment_from_world: Mat3,
+    pub base_power: f64,
+    /// The sun and its power.
+    pub sun: Option<(Sun, f64)>,
+    /// Lights within the scene.
+    pub lights: Vec<SphereLight>,
+    /// Rotation.
+    pub environment_from_world: Mat3,
 }
 
 /// A local light as one receiver sees it.
@@ -76,7 +81,7 @@ pub(crate) fn cosine_direction(normal: DVec3, [u, v]: [f64; 2]) -> DVec3 {
 
 impl LightSampler {
     /// Takes over the alias table of `previous` if the map is the same.
-    pub(crate) fn new(frame: &Frame<'_>, previous: Option<Self>) -> Self {
+    pub fn new(frame: &Frame<'_>, previous: Option<Self>) -> Self {
         let environment = &frame.scene.environment;
         let alias = match (&environment.base, previous) {
             (base, Some(old)) if old.base.is_same_as(base) => old.alias,
@@ -99,7 +104,7 @@ impl LightSampler {
     }
 
     /// Whether drawing by light can do better than drawing by cosine.
-    pub(crate) fn is_constant(&self) -> bool {
+    pub fn is_constant(&self) -> bool {
         matches!(self.base, DistantLight::Constant(_)) && self.sun.is_none() && self.lights.is_empty()
     }
 
@@ -190,9 +195,9 @@ fn texel_powers(map: &EnvironmentMap) -> Vec<f64> {
 
 /// Walker's alias method (Vose 1991): an index drawn in proportion to its weight in constant time.
 #[derive(Debug, Default)]
-struct AliasTable {
+pub struct AliasTable {
     /// Chance to stay, and where to go otherwise.
-    cells: Vec<(f64, u32)>,
+    pub cells: Vec<(f64, u32)>,
     sum: f64,
 }
 

@@ -25,6 +25,11 @@ impl<const D: usize> Points<D> {
         }
     }
 
+    /// Step from point to point.
+    pub(crate) fn step(&self) -> [u64; D] {
+        self.step
+    }
+
     /// Point `i`, in [0, 1)^D.
     pub(crate) fn at(&self, i: u32) -> [f64; D] {
         std::array::from_fn(|j| {

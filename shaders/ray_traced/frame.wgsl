@@ -1,0 +1,56 @@
+// What a frame of ray-traced consists of.
+
+struct Frame {
+    // Rows of the rotation from world to environment.
+    environment: array<vec4f, 3>,
+    // Constant radiance; by a map, the texels count.
+    constant: vec4f,
+    // Direction to the sun's centre in the environment, and 1 - cos of its angular radius; negative without a sun.
+    sun: vec4f,
+    sun_radiance: vec4f,
+    // Steps of the points in two and in three dimensions.
+    plane_steps: vec4u,
+    space_steps: vec4u,
+    space_last_step: vec2u,
+    samples: u32,
+    // Share of directions that are drawn by cosine.
+    cosine_share: f32,
+    // Powers of what shines from afar and of the sun.
+    base_power: f32,
+    sun_power: f32,
+    // Columns and rows of the map; 0 without one.
+    map_width: u32,
+    map_height: u32,
+    // Rows of `rows` at which there begin: objects, lights, texels, alias numbers.
+    instances: u32,
+    instance_count: u32,
+    lights: u32,
+    light_count: u32,
+    texels: u32,
+    aliases: u32,
+    padding: vec2u,
+}
+
+// The boxes of two children; see `halfshade_gpu::hierarchy`.
+struct Node {
+    left_low: vec3f,
+    left: u32,
+    left_high: vec3f,
+    right: u32,
+    right_low: vec3f,
+    padding: u32,
+    right_high: vec3f,
+    more_padding: u32,
+}
+
+struct Triangle {
+    a: vec4f,
+    b: vec4f,
+    c: vec4f,
+}
+
+@group(1) @binding(0) var<uniform> frame: Frame;
+// First the hierarchy over objects, then those of meshes.
+@group(1) @binding(1) var<storage, read> nodes: array<Node>;
+@group(1) @binding(2) var<storage, read> triangles: array<Triangle>;
+@group(1) @binding(3) var<storage, read> rows: array<vec4u>;
