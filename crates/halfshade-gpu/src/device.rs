@@ -5,6 +5,7 @@ use std::{
     sync::{
         Arc, Mutex, PoisonError,
         atomic::{AtomicU64, Ordering},
+        mpsc,
     },
     time::Duration,
 };
@@ -194,22 +195,27 @@ impl Gpu {
         let timeout = Some(Duration::from_secs(PATIENCE_SECS));
         let waited = self.device.poll(wgpu::PollType::Wait { submission_index: None, timeout });
         self.check()?;
-        waited.map(|_| ()).map_err(|_| GpuError::Timeout(PATIENCE_SECS))
+        match waited {
+            Ok(_) => Ok(()),
+            Err(wgpu::PollError::Timeout) => Err(GpuError::Timeout(PATIENCE_SECS)),
+            Err(error) => Err(GpuError::Refused(error.to_string())),
+        }
     }
 
     /// Hands the bytes of a staging buffer, into which something was copied, to `read`.
     pub(crate) fn read<R>(&self, staging: &DeviceBuffer, read: impl FnOnce(&[u8]) -> R) -> Result<R, GpuError> {
         let refused = |error: &dyn std::fmt::Display| GpuError::Refused(error.to_string());
-        let outcome = Arc::new(Mutex::new(None));
-        let told = outcome.clone();
+        let (sender, receiver) = mpsc::channel();
         staging.buffer.map_async(wgpu::MapMode::Read, .., move |result| {
-            *told.lock().unwrap_or_else(PoisonError::into_inner) = Some(result);
+            // Whoever gave up doesn't listen.
+            let _ = sender.send(result);
         });
         self.wait()?;
-        match outcome.lock().unwrap_or_else(PoisonError::into_inner).take() {
-            Some(Ok(())) => {}
-            Some(Err(error)) => return Err(refused(&error)),
-            None => return Err(GpuError::Timeout(PATIENCE_SECS)),
+        // Another thread that waits for the device may be the one that is about to tell.
+        match receiver.recv_timeout(Duration::from_secs(PATIENCE_SECS)) {
+            Ok(Ok(())) => {}
+            Ok(Err(error)) => return Err(refused(&error)),
+            Err(_) => return Err(GpuError::Timeout(PATIENCE_SECS)),
         }
         let found = {
             let view = staging.buffer.get_mapped_range(..).map_err(|error| refused(&error))?;

@@ -72,7 +72,7 @@ fn subjects() -> Vec<(&'static str, &'static str, Bounds)> {
     // Ringing of few bands under a sun: a blocker beside the sun may brighten its ray.
     let ringing = Bounds { brightening: 0.2, ..table };
     // Samples are turned neither with the scene nor with its number of blockers.
-    let noise = Bounds { constant: 1e-4, quadrature: 0.3, gloss: 0.1, rotation: 0.5, brightening: 0.5 };
+    let noise = Bounds { constant: 1e-4, quadrature: 0.6, gloss: 0.1, rotation: 0.5, brightening: 0.5 };
     let mut subjects = vec![("unshadowed", "", table), ("ray-traced", "samples=64", noise)];
     subjects.extend(SH_EXP.map(|settings| ("sh-exp", settings, ringing)));
     subjects
