@@ -1,7 +1,6 @@
 // Irradiance of a cap of directions of radiance 1 that the horizon may cut: twin of
 // `halfshade_scene::light::cap_irradiance`.
-
-const PI = 3.14159265358979f;
+#import "common/constants.wgsl"
 
 fn cap_irradiance(cosine: f32, sin_radius: f32) -> f32 {
     let sine = clamp(sin_radius, 0.0, 1.0);

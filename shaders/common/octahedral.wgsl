@@ -1,5 +1,6 @@
 // The octahedral grid over directions, with linear interpolation between three nodes: twin of
 // `halfshade_scene::light::OctahedralGrid::lookup_batch`.
+#import "common/constants.wgsl"
 
 struct OctahedralWeights {
     nodes: vec3u,
@@ -8,7 +9,7 @@ struct OctahedralWeights {
 
 fn octahedral_lookup(direction: vec3f, cells: f32) -> OctahedralWeights {
     let size = abs(direction);
-    let scaled = size / max(size.x + size.y + size.z, 1.17549435e-38f);
+    let scaled = size / max(size.x + size.y + size.z, SMALLEST);
     let inner = vec2f(scaled.x, scaled.z);
     let folded = select(vec2f(1.0) - inner.yx, inner, direction.y >= 0.0);
     let place = clamp(folded * cells, vec2f(0.0), vec2f(cells));

@@ -52,7 +52,7 @@ fn receiver_at(number: u32) -> Receiver {
     );
 }
 
-// Adds to the light that a receiver reflects, or begins with it.
+// Adds to the light that a receiver reflects, or begins with it; `white` is what it would add if it were white.
 fn accumulate(number: u32, white: vec3f, is_first: bool) {
     let count = receiver_count();
     for (var channel = 0u; channel < 3u; channel++) {
@@ -61,11 +61,7 @@ fn accumulate(number: u32, white: vec3f, is_first: bool) {
     }
 }
 
-// Writes the light that a receiver reflects, of which `white` is what it would if it were white.
+// Writes the light that a receiver reflects.
 fn reflect(number: u32, white: vec3f) {
-    let count = receiver_count();
-    for (var channel = 0u; channel < 3u; channel++) {
-        let place = channel * count + number;
-        radiances[place] = white[channel] * albedos[place];
-    }
+    accumulate(number, white, true);
 }

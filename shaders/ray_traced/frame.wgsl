@@ -1,4 +1,4 @@
-// What a frame of ray-traced consists of.
+// The data of a frame of ray-traced.
 
 struct Frame {
     // Rows of the rotation from world to environment.

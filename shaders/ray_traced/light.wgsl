@@ -1,8 +1,6 @@
 // Everything that shines, and directions drawn where it does: twin of `ray_traced/prepare/light_sampler.rs`.
+#import "common/constants.wgsl"
 #import "ray_traced/frame.wgsl"
-
-const PI = 3.14159265358979f;
-const TAU = 6.28318530717959f;
 
 struct Cap {
     axis: vec3f,

@@ -1,5 +1,6 @@
 // Whether anything lies on a ray: any-hit traversal of two levels of hierarchies. It answers as
 // `shared/triangle_rays.rs` does, in single precision.
+#import "common/constants.wgsl"
 #import "ray_traced/frame.wgsl"
 
 const LEAF = 0x80000000u;
@@ -7,7 +8,6 @@ const STACK = 56u;
 const LANES = 64u;
 // Leaves an object: no leaf has this code.
 const LEAVE = 0xffffffffu;
-const EPSILON = 1.1920929e-7f;
 
 var<workgroup> stack: array<u32, 3584>;
 
@@ -62,7 +62,7 @@ fn is_met(ray: Ray, triangle: Triangle, limit: f32, reach: f32) -> bool {
     let ahead = dot(normal, a);
     let facing = dot(normal, ray.direction);
     let off = dot(abs(normal), ray.slack);
-    // What faces the ray is met though it be behind the origin by what that may be off; what faces away isn't.
+    // A triangle that faces the ray is met though it be behind the origin by what that may be off; one that faces away isn't.
     let farthest = min(off, -facing * reach);
     let is_ahead = select((ahead < farthest), (ahead > off), (facing > 0.0));
     return facing != 0.0 && is_ahead && ahead / facing <= limit;
@@ -105,7 +105,7 @@ fn is_blocked(lane: u32, origin: vec3f, direction: vec3f, slack: vec3f, reach: f
             ray = ray_of(
                 vec3f(dot(x, point), dot(y, point), dot(z, point)),
                 vec3f(dot(x.xyz, direction), dot(y.xyz, direction), dot(z.xyz, direction)),
-                // What the slack becomes, and rounding of the way here.
+                // The slack there, and rounding of the way here.
                 vec3f(dot(abs(x.xyz), slack), dot(abs(y.xyz), slack), dot(abs(z.xyz), slack))
                     + 4.0 * EPSILON * vec3f(dot(abs(x), size), dot(abs(y), size), dot(abs(z), size)),
             );

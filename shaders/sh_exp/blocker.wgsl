@@ -3,11 +3,12 @@
 #import "shared/tangent_plane.wgsl"
 #import "sh_exp/frame.wgsl"
 
-const INTERVALS = 2048.0f;
+// Intervals of the table by angular radius.
+override INTERVALS: f32 = 2048.0;
 
 struct Seen {
     direction: vec3f,
-    // Of its angular radius; 0 where the sphere has no influence.
+    // Squared sine of its angular radius; 0 where the sphere has no influence.
     sin_squared: f32,
 }
 

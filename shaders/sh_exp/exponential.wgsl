@@ -1,10 +1,10 @@
 // The SH exponential: twin of `halfshade_sh::kernel::BatchExponential::evaluate`.
+#import "common/constants.wgsl"
 #import "sh_exp/frame.wgsl"
 
-const FULL = 3.5449077f;
-const MAX_SQUARINGS = 24u;
+override MAX_SQUARINGS: u32 = 24u;
 // Magnitude beyond which the series is not to be trusted.
-override SERIES_MAGNITUDE: f32 = 6.0;
+override SERIES_MAGNITUDE: f32 = 64.0;
 
 const SERIES = 0u;
 const QUADRATIC = 1u;
@@ -36,15 +36,15 @@ fn linear_coefficients(magnitude: f32) -> vec2f {
     let t = at - low;
     let found = entry.xy + entry.zw * t;
     if (magnitude > frame.exponential_limit) {
-        return vec2f(found.x, found.y * frame.exponential_limit / max(magnitude, 1.17549435e-38f));
+        return vec2f(found.x, found.y * frame.exponential_limit / max(magnitude, SMALLEST));
     }
     return found;
 }
 
 // Holds h = V - 1 to what a function with values in [0, 1] can be.
 fn limit_difference(h: Sh) -> Sh {
-    let first = clamp(h[0], -FULL, 0.0);
-    let room = -first * (FULL + first);
+    let first = clamp(h[0], -SQRT_4PI, 0.0);
+    let room = -first * (SQRT_4PI + first);
     let energy = sh_isolated_energy(h);
     var limited = h;
     if (energy > room) {
@@ -88,13 +88,13 @@ fn inner_form(isolated: Sh, constant: f32, magnitude: f32, scale: f32) -> Sh {
     let difference = exp_minus_one(constant * scale);
     let factor = difference + 1.0;
     h = sh_scaled(h, factor);
-    h[0] += (factor * offset + difference) * FULL;
+    h[0] += (factor * offset + difference) * SQRT_4PI;
     return limit_difference(h);
 }
 
 // Visibility from a sum of log blockers.
 fn exponential(f: Sh) -> Sh {
-    let constant = f[0] / FULL;
+    let constant = f[0] / SQRT_4PI;
     var isolated = f;
     isolated[0] = 0.0;
     let magnitude = sqrt(sh_isolated_energy(f));
@@ -116,6 +116,6 @@ fn exponential(f: Sh) -> Sh {
     for (var round = 0u; round < squarings; round++) {
         h = square_difference(h);
     }
-    h[0] += FULL;
+    h[0] += SQRT_4PI;
     return h;
 }

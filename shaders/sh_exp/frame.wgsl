@@ -1,4 +1,4 @@
-// What a frame of sh-exp consists of.
+// The data of a frame of sh-exp.
 
 struct Blocker {
     center: vec3f,
@@ -12,7 +12,7 @@ struct Frame {
     // Clamped cosine over π by band: constant light.
     low_cosine: vec4f,
     high_cosine: vec4f,
-    // Constant light, or what the table of light is multiplied by.
+    // Constant light; unused by a map.
     light: vec4f,
     sun_direction: vec4f,
     // Reflected radiance of a white surface that faces the sun; its sine of the angular radius.

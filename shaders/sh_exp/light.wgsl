@@ -1,14 +1,12 @@
 // Light times visibility at a white receiver: twin of `sh_exp/kernel/light.rs` and `sh_exp/kernel/sun.rs`.
 #import "common/cap.wgsl"
+#import "common/constants.wgsl"
 #import "common/octahedral.wgsl"
 #import "sh_exp/frame.wgsl"
 
 override IS_CLAMPED: bool = false;
 
-const BASIS_0 = 0.28209479f;
-const SQRT_4PI = 3.5449077f;
-
-// What arrives, held between 0 and `most` if that is wanted.
+// Light that arrives, held between 0 and `most` if that is wanted.
 fn held(value: f32, most: f32) -> f32 {
     return select(value, min(max(value, 0.0), most), IS_CLAMPED);
 }

@@ -1,4 +1,5 @@
 // The rules for spheres that cut a receiver's tangent plane: twin of `shared/tangent_plane.rs`.
+#import "common/constants.wgsl"
 
 const CONTINUOUS = 0u;
 const COVERING = 1u;
@@ -7,8 +8,6 @@ const PUBLISHED = 2u;
 override RULE: u32 = CONTINUOUS;
 // Height of a sphere's centre, in radii, from which on it counts in full.
 override FULL_HEIGHT: f32 = 1.0;
-
-const SMALLEST = 1.17549435e-38f;
 
 struct Adjusted {
     offset: vec3f,

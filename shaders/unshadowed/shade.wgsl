@@ -16,8 +16,8 @@ struct Frame {
 }
 
 struct Light {
-    center: vec3f,
-    radius: f32,
+    // Centre and radius.
+    sphere: vec4f,
     radiance: vec4f,
 }
 
@@ -44,12 +44,12 @@ fn irradiance(receiver: Receiver) -> vec3f {
 }
 
 fn form_of_light(light: Light, receiver: Receiver) -> f32 {
-    let offset = light.center - receiver.position;
+    let offset = light.sphere.xyz - receiver.position;
     let distance = length(offset);
-    if (distance <= light.radius) {
+    if (distance <= light.sphere.w) {
         return PI;
     }
-    return cap_irradiance(dot(offset, receiver.normal) / distance, light.radius / distance);
+    return cap_irradiance(dot(offset, receiver.normal) / distance, light.sphere.w / distance);
 }
 
 @compute @workgroup_size(64)

@@ -39,7 +39,7 @@ pub struct AdapterFacts {
     pub is_software: bool,
 }
 
-/// What the device complained about, until someone asks.
+/// The first complaint of the device, until someone asks.
 #[derive(Debug, Default)]
 struct Faults(Mutex<Option<Fault>>);
 
@@ -121,7 +121,7 @@ impl Gpu {
         self.held.load(Ordering::Relaxed)
     }
 
-    /// What went wrong since it was last asked.
+    /// The fault since it was last asked.
     pub(crate) fn check(&self) -> Result<(), GpuError> {
         let fault = self.faults.0.lock().unwrap_or_else(PoisonError::into_inner).take();
         match fault {
@@ -179,15 +179,22 @@ impl Gpu {
         values: &[T],
     ) -> Result<bool, GpuError> {
         let bytes = bytemuck::cast_slice::<T, u8>(values);
-        let fits = slot.as_ref().is_some_and(|buffer| buffer.bytes() >= bytes.len());
-        if !fits {
-            *slot = None;
-            *slot = Some(self.buffer(what, bytes.len() as u64)?);
-        }
-        if let Some(buffer) = slot.as_ref().filter(|_| !bytes.is_empty()) {
+        if let Some(buffer) = slot.as_ref().filter(|buffer| buffer.bytes() >= bytes.len()) {
             self.queue.write_buffer(&buffer.buffer, 0, bytes);
+            return Ok(false);
         }
-        Ok(!fits)
+        // The old one goes first: both may not fit.
+        *slot = None;
+        *slot = Some(self.filled(what, values)?);
+        Ok(true)
+    }
+
+    /// A buffer that holds `values`.
+    pub(crate) fn filled<T: bytemuck::NoUninit>(&self, what: &str, values: &[T]) -> Result<DeviceBuffer, GpuError> {
+        let bytes = bytemuck::cast_slice::<T, u8>(values);
+        let buffer = self.buffer(what, bytes.len() as u64)?;
+        self.queue.write_buffer(&buffer.buffer, 0, bytes);
+        Ok(buffer)
     }
 
     /// Waits until all that was submitted is done.

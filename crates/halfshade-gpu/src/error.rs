@@ -1,4 +1,4 @@
-//! What can go wrong with graphics hardware.
+//! Errors of graphics hardware.
 
 use halfshade_strategy::StrategyError;
 
@@ -14,9 +14,9 @@ pub enum GpuError {
     /// There is none of that name or number.
     #[error("no graphics device `{asked}`; there are: {known}")]
     UnknownAdapter {
-        /// What was asked for.
+        /// The wish.
         asked: String,
-        /// What there is, with numbers.
+        /// All that there are, with numbers.
         known: String,
     },
     /// The driver gave up.

@@ -82,9 +82,7 @@ impl Hierarchy {
                     .nodes
                     .push(Node { left: code(root.first_index, root.prim_count), ..boxed(*root.aabb(), Aabb::INVALID) });
             }
-            Some(_) => {
-                hierarchy.add(&bvh, 0, 1);
-            }
+            Some(_) => hierarchy.add_inner_nodes(&bvh),
             None => {}
         }
         hierarchy
@@ -100,8 +98,7 @@ impl Hierarchy {
         while let Some((node, first, end, depth)) = open.pop() {
             hierarchy.depth = hierarchy.depth.max(depth);
             let slots = &mut order[first..end];
-            let corners = slots.iter().map(|&slot| [middle(slot); 2]);
-            let [low, high] = corners.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]).unwrap_or_default();
+            let [low, high] = around(slots.iter().map(|&slot| [middle(slot); 2])).unwrap_or_default();
             let axis = (high - low).max_position();
             slots.sort_by(|&a, &b| middle(a)[axis].total_cmp(&middle(b)[axis]));
             let half = first + (end - first).div_ceil(2);
@@ -115,23 +112,21 @@ impl Hierarchy {
                 number as u32
             };
             let (left, right) = (child(first, half), child(half, end));
-            let around = |slots: &[u32]| {
-                let boxes = slots.iter().map(|&slot| boxes[slot as usize]);
-                let corners = boxes.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
+            let of = |slots: &[u32]| {
+                let corners = around(slots.iter().map(|&slot| boxes[slot as usize]));
                 corners.map_or(Aabb::INVALID, |[low, high]| Aabb::new(Vec3A::from(low), Vec3A::from(high)))
             };
-            let both = boxed(around(&order[first..half]), around(&order[half..end]));
+            let both = boxed(of(&order[first..half]), of(&order[half..end]));
             hierarchy.nodes[node] = Node { left, right, ..both };
         }
         hierarchy.order = order;
         hierarchy
     }
 
-    /// Adds an inner node and all below it; its number.
-    fn add(&mut self, bvh: &Bvh2, node: usize, depth: usize) -> u32 {
-        // Explicit, because a degenerate hierarchy may be as deep as it is large.
-        let number_of_root = self.nodes.len() as u32;
-        let mut open = vec![(node, number_of_root, depth)];
+    /// Adds the root and all inner nodes below it.
+    fn add_inner_nodes(&mut self, bvh: &Bvh2) {
+        // Not by recursion, because a degenerate hierarchy may be as deep as it is large.
+        let mut open = vec![(0, 0, 1)];
         self.nodes.push(Node::zeroed());
         while let Some((node, number, depth)) = open.pop() {
             self.depth = self.depth.max(depth);
@@ -150,8 +145,12 @@ impl Hierarchy {
             let both = boxed(*bvh.nodes[first].aabb(), *bvh.nodes[first + 1].aabb());
             self.nodes[number as usize] = Node { left, right, ..both };
         }
-        number_of_root
     }
+}
+
+/// The box around boxes.
+pub(crate) fn around(boxes: impl Iterator<Item = [Vec3; 2]>) -> Option<[Vec3; 2]> {
+    boxes.reduce(|[low, high], [a, b]| [low.min(a), high.max(b)])
 }
 
 fn code(first: u32, count: u32) -> u32 {

@@ -9,7 +9,7 @@ pub struct Kernel {
     pub shader: &'static str,
     /// Files whose functions it is made of, each with its twin on the CPU.
     pub twins: &'static [Twin],
-    /// What it reads and writes, group by group.
+    /// Buffers that it reads and writes, group by group.
     pub buffers: &'static [&'static [&'static str]],
 }
 
@@ -31,7 +31,7 @@ pub struct Twin {
 pub struct Missing {
     /// The code on the CPU.
     pub cpu: &'static str,
-    /// What to do instead.
+    /// A way without it.
     pub instead: &'static str,
 }
 

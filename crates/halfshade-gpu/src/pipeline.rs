@@ -120,7 +120,7 @@ impl PassClock {
     /// Runs the passes one after another and waits for them.
     pub(crate) fn run(&self, gpu: &Gpu, passes: &[Pass<'_>]) -> Result<(), GpuError> {
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        // Of some alone nothing would follow for all.
+        // The time of some alone would say nothing about all.
         let queries = self.queries.as_ref().filter(|_| passes.len() <= MOST_PASSES as usize);
         for (pass, number) in passes.iter().zip(0u32..) {
             // One pass per kernel: within a pass, times may lie on the wrong side of its barriers.

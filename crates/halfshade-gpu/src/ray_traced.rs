@@ -2,9 +2,9 @@
 
 use crate::{
     GpuError,
-    hierarchy::{Hierarchy, MOST_IN_LEAF, Node, STACK},
+    hierarchy::{Hierarchy, MOST_IN_LEAF, Node, STACK, around},
     kernels::RAY_TRACED,
-    receivers::KernelSpace,
+    receivers::{KernelSpace, affine_rows},
     runner::{Bench, Runner, Uploaded},
 };
 use bytemuck::{Pod, Zeroable};
@@ -154,7 +154,7 @@ impl Meshes {
         let corners: Vec<[Vec3; 3]> =
             corners.filter(|corners| corners.iter().all(|corner| corner.is_finite())).collect();
         let boxes: Vec<[Vec3; 2]> = corners.iter().map(|[a, b, c]| [a.min(*b).min(*c), a.max(*b).max(*c)]).collect();
-        let bounds = boxes.iter().copied().reduce(|[low, high], [a, b]| [low.min(a), high.max(b)]);
+        let bounds = around(boxes.iter().copied());
         let padding = bounds.map_or(0.0, padding_of);
         let padded: Vec<[Vec3; 2]> = boxes.iter().map(|corners| widened(*corners, padding)).collect();
         let hierarchy = Hierarchy::new(&padded, MOST_IN_LEAF);
@@ -223,8 +223,7 @@ fn placed_box([low, high]: [Vec3; 2], pose: &Pose, space: &KernelSpace) -> Optio
         let world = pose.rotation.as_dquat() * (f64::from(pose.scale) * point) + pose.translation.as_dvec3();
         space.place(world).as_vec3()
     };
-    let corners = (0..8).map(corner).map(|corner| [corner, corner]);
-    let bounds = corners.reduce(|[low, high], [a, b]| [low.min(a), high.max(b)])?;
+    let bounds = around((0..8).map(corner).map(|corner| [corner, corner]))?;
     let bounds = widened(bounds, padding_of(bounds));
     bounds.iter().all(|corner| corner.is_finite()).then_some(bounds)
 }
@@ -234,10 +233,7 @@ fn object_from_kernel(pose: &Pose, space: &KernelSpace) -> [[f32; 4]; 3] {
     let back = DMat3::from_quat(pose.rotation.as_dquat()).transpose() * f64::from(pose.scale).recip();
     let turn = back * space.rotation.transpose() * space.scale.recip();
     let offset = back * (space.center - pose.translation.as_dvec3());
-    std::array::from_fn(|k| {
-        let row = turn.row(k);
-        [row.x as f32, row.y as f32, row.z as f32, offset[k] as f32]
-    })
+    affine_rows(turn, offset)
 }
 
 impl Baked for BakedOnGpu {
@@ -272,8 +268,7 @@ impl Baked for BakedOnGpu {
         rows.resize(4 * frame.scene.objects.len(), [0; 4]);
         let first_light = rows.len();
         for light in &light.lights {
-            let center = space.place(light.center.as_dvec3()).as_vec3();
-            rows.push(bits(center, (f64::from(light.radius) * space.scale) as f32));
+            rows.push(space.place_sphere(light.center, light.radius).map(f32::to_bits));
             rows.push(bits(light.radiance, 0.0));
         }
         let first_texel = rows.len();
@@ -317,7 +312,7 @@ fn space_of(frame: &Frame<'_>, meshes: &Meshes) -> KernelSpace {
     KernelSpace::of_points(corners.map(|corner| corner.as_dvec3()), DMat3::IDENTITY)
 }
 
-/// What is known without the rows.
+/// All settings that are known without the rows.
 fn uniforms(light: &LightSampler, samples: &SampleArrays) -> FrameUniforms {
     let halves = |step: u64| [step as u32, (step >> 32) as u32];
     let [a, b] = samples.plane_steps.map(halves);

@@ -8,6 +8,7 @@ use crate::{
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3, Vec3};
 use halfshade_scene::{Frame, RadianceMut, Receivers, SurfacePoint};
+use halfshade_strategies::origin_between;
 use std::sync::{Mutex, PoisonError};
 
 /// Where an object is, as `common/receivers.wgsl` reads it: rows of the map to the space of the light.
@@ -64,21 +65,24 @@ impl KernelSpace {
         Self { rotation, center, scale }
     }
 
-    /// About the middle of some points, or about 0 if they lie around it.
+    /// Around some points.
     pub(crate) fn of_points(points: impl Iterator<Item = DVec3>, rotation: DMat3) -> Self {
         let corners = points.filter(|point| point.is_finite()).fold(None, |corners: Option<(DVec3, DVec3)>, point| {
             Some(corners.map_or((point, point), |(low, high)| (low.min(point), high.max(point))))
         });
         let (low, high) = corners.unwrap_or_default();
-        let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
-        let far = middle.abs().cmpge(2.0 * half);
-        let center = DVec3::select(far, middle, DVec3::ZERO);
-        Self::around(center, rotation, (half + (middle - center).abs()).max_element())
+        let center = origin_between(low, high);
+        Self::around(center, rotation, (high - center).max(center - low).max_element())
     }
 
     /// A point of world space.
     pub(crate) fn place(&self, point: DVec3) -> DVec3 {
         self.scale * (self.rotation * (point - self.center))
+    }
+
+    /// A sphere of world space: centre and radius.
+    pub(crate) fn place_sphere(&self, center: Vec3, radius: f32) -> [f32; 4] {
+        self.place(center.as_dvec3()).extend(self.scale * f64::from(radius)).as_vec4().to_array()
     }
 
     /// Placements of all objects of a frame.
@@ -87,18 +91,16 @@ impl KernelSpace {
             let direction = self.rotation * DMat3::from_quat(pose.rotation.as_dquat());
             let position = direction * (f64::from(pose.scale) * self.scale);
             let offset = self.place(pose.translation.as_dvec3());
-            let row = |matrix: DMat3, k: usize, last: f64| {
-                let row = matrix.row(k);
-                [row.x as f32, row.y as f32, row.z as f32, last as f32]
-            };
-            Placement {
-                position: std::array::from_fn(|k| row(position, k, offset[k])),
-                direction: std::array::from_fn(|k| row(direction, k, 0.0)),
-            }
+            Placement { position: affine_rows(position, offset), direction: affine_rows(direction, DVec3::ZERO) }
         };
         // Last a place for what lies on no object.
         frame.world_from_object.iter().chain([&halfshade_scene::Pose::IDENTITY]).map(of_object).collect()
     }
+}
+
+/// Rows of `matrix · point + offset`, as kernels read them.
+pub(crate) fn affine_rows(matrix: DMat3, offset: DVec3) -> [[f32; 4]; 3] {
+    std::array::from_fn(|k| matrix.row(k).extend(offset[k]).as_vec4().to_array())
 }
 
 impl ResidentReceivers {
@@ -120,15 +122,15 @@ impl ResidentReceivers {
             let (places, normals) = rows(&rest[range.clone()], &objects[range.clone()], &groups[range.clone()]);
             let albedos: Vec<f32> =
                 receivers.albedo.iter().flat_map(|channel| &channel[range.clone()]).copied().collect();
-            let (mut place, mut normal, mut albedo) = (None, None, None);
-            gpu.write("places of receivers", &mut place, &places)?;
-            gpu.write("normals of receivers", &mut normal, &normals)?;
-            gpu.write("albedos of receivers", &mut albedo, &albedos)?;
-            let radiances = gpu.buffer("radiances", 12 * range.len() as u64)?;
-            if let (Some(places), Some(normals), Some(albedos)) = (place, normal, albedo) {
-                parts.push(Part { first, count: range.len(), places, normals, albedos, radiances });
-            }
-            // What is written is held twice until it is submitted.
+            parts.push(Part {
+                first,
+                count: range.len(),
+                places: gpu.filled("places of receivers", &places)?,
+                normals: gpu.filled("normals of receivers", &normals)?,
+                albedos: gpu.filled("albedos of receivers", &albedos)?,
+                radiances: gpu.buffer("radiances", 12 * range.len() as u64)?,
+            });
+            // Data that is written is held twice until it is submitted.
             gpu.queue.submit([]);
         }
         let deforms = frame.scene.objects.iter().any(|object| object.skin.is_some());

@@ -34,7 +34,7 @@ pub(crate) struct Runner {
     bindings: Option<Bindings>,
     /// Settings of each dispatch, where a frame takes several, and their bindings of group 2.
     parts: Vec<(DeviceBuffer, wgpu::BindGroup)>,
-    /// What went wrong while shading, for who reads back.
+    /// The error while shading, for who reads back.
     fault: Mutex<Option<GpuError>>,
 }
 

@@ -10,7 +10,11 @@ use halfshade_scene::{
     Frame, Progress, Receivers, Scene,
     spheres::{AdjustRule, COVER_HEIGHT, FADE_HEIGHT},
 };
-use halfshade_sh::{exponential::SERIES_MAGNITUDE, wgsl::MAX_WGSL_BANDS};
+use halfshade_sh::{
+    blocker_table::INTERVALS,
+    exponential::{MAX_SQUARINGS, SERIES_MAGNITUDE},
+    wgsl::MAX_WGSL_BANDS,
+};
 use halfshade_strategies::{
     ShExp,
     sh_exp::{
@@ -90,7 +94,7 @@ impl Strategy for ShExpOnGpu {
     }
 }
 
-/// What the scene and the settings ask for that has no kernel, and what to do instead.
+/// The wish of the scene or the settings that has no kernel, and what to do instead.
 fn missing(arrays: &SceneArrays<'_>) -> Option<&'static str> {
     match arrays.combination {
         CombinationArrays::Shares => return Some("exp=shares; take exp=hybrid, or device `cpu`"),
@@ -113,8 +117,13 @@ fn constants(arrays: &SceneArrays<'_>) -> Vec<(&'static str, f64)> {
         AdjustRule::Covering => (1.0, COVER_HEIGHT),
         AdjustRule::Published => (2.0, 1.0),
     };
-    let mut constants =
-        vec![("RULE", rule), ("FULL_HEIGHT", full_height), ("IS_CLAMPED", f64::from(u8::from(arrays.clamp)))];
+    let mut constants = vec![
+        ("RULE", rule),
+        ("FULL_HEIGHT", full_height),
+        ("IS_CLAMPED", f64::from(u8::from(arrays.clamp))),
+        ("INTERVALS", INTERVALS as f64),
+        ("MAX_SQUARINGS", f64::from(MAX_SQUARINGS)),
+    ];
     match arrays.combination {
         CombinationArrays::Exponential(exponential) => {
             let parts = exponential.parts();

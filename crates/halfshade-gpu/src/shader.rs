@@ -13,6 +13,7 @@ macro_rules! sources {
 
 sources! {
     "common/cap.wgsl"
+    "common/constants.wgsl"
     "common/octahedral.wgsl"
     "common/receivers.wgsl"
     "ray_traced/frame.wgsl"
@@ -63,7 +64,7 @@ fn include<'a>(path: &'a str, included: &mut BTreeSet<&'a str>, code: &mut Strin
 mod tests {
     use super::*;
 
-    /// What lies in the folder is what is built in.
+    /// Files in the folder are those that are built in.
     #[test]
     fn every_file_is_listed() {
         let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shaders");

@@ -34,8 +34,8 @@ pub(crate) struct FrameUniforms {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 pub(crate) struct DeviceLight {
-    pub(crate) center: [f32; 3],
-    pub(crate) radius: f32,
+    /// Centre and radius.
+    pub(crate) sphere: [f32; 4],
     pub(crate) radiance: [f32; 4],
 }
 
@@ -93,7 +93,11 @@ impl Baked for BakedOnGpu {
         let places = frame.world_from_object.iter().map(|pose| pose.translation.as_dvec3());
         let lights = frame.lights.iter().map(|light| light.center.as_dvec3());
         let space = KernelSpace::of_points(places.chain(lights), rotation);
-        let lights: Vec<DeviceLight> = frame.lights.iter().map(|light| placed(light, &space)).collect();
+        let placed = |light: &SphereLight| DeviceLight {
+            sphere: space.place_sphere(light.center, light.radius),
+            radiance: row(light.radiance, 0.0),
+        };
+        let lights: Vec<DeviceLight> = frame.lights.iter().map(placed).collect();
         let (constant, is_tabulated) = match &self.irradiance.base {
             DistantLight::Constant(radiance) => (PI * *radiance, false),
             DistantLight::Map(_) => (Vec3::ZERO, true),
@@ -116,14 +120,6 @@ impl Baked for BakedOnGpu {
         self.runner.place_objects(frame, &space)?;
         self.runner.upload()?;
         Ok(Box::new(Uploaded(&self.runner)))
-    }
-}
-
-fn placed(light: &SphereLight, space: &KernelSpace) -> DeviceLight {
-    DeviceLight {
-        center: space.place(light.center.as_dvec3()).as_vec3().to_array(),
-        radius: (f64::from(light.radius) * space.scale) as f32,
-        radiance: row(light.radiance, 0.0),
     }
 }
 

@@ -144,7 +144,7 @@ fn structs_lie_in_rust_as_in_wgsl() {
 
     let (module, _) = valid("unshadowed", &shader::module("unshadowed/shade.wgsl", None));
     type Light = unshadowed::DeviceLight;
-    let light = vec![offset_of!(Light, center), offset_of!(Light, radius), offset_of!(Light, radiance)];
+    let light = vec![offset_of!(Light, sphere), offset_of!(Light, radiance)];
     assert_eq!(layout(&module, "Light"), (size_of::<Light>(), light));
     type Plain = unshadowed::FrameUniforms;
     let plain = vec![

@@ -20,6 +20,11 @@ impl Device {
     pub fn is_cpu(&self) -> bool {
         *self == Self::Cpu
     }
+
+    /// Its part of a key, behind the name of a strategy: nothing for the processor, as in keys that know no devices.
+    pub(crate) fn key(self) -> String {
+        if self.is_cpu() { String::new() } else { format!("@{self}") }
+    }
 }
 
 impl fmt::Display for Device {
@@ -37,4 +42,11 @@ pub struct GraphicsDevice {
     pub description: String,
     /// The strategies, named as those of the processor.
     pub strategies: Vec<Box<dyn Strategy>>,
+}
+
+impl GraphicsDevice {
+    /// The strategy of that name, if it has kernels.
+    pub fn strategy(&self, name: &str) -> Option<&dyn Strategy> {
+        self.strategies.iter().find(|strategy| strategy.info().name == name).map(Box::as_ref)
+    }
 }

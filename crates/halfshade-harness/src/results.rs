@@ -265,8 +265,8 @@ impl Run {
     /// Identity of the measured work: everything but the reference.
     pub fn key(&self) -> String {
         let params: Vec<String> = self.params.iter().map(|(key, value)| format!("{key}={value}")).collect();
-        let device = if self.device.is_cpu() { String::new() } else { format!("@{}", self.device) };
-        format!("{}/{}/{}/{}{device}:{}", self.scene, self.frame, self.receivers, self.strategy, params.join(","))
+        let (strategy, device) = (&self.strategy, self.device.key());
+        format!("{}/{}/{}/{strategy}{device}:{}", self.scene, self.frame, self.receivers, params.join(","))
     }
 
     /// Strategy, receivers, scene and frame, for people.
@@ -286,7 +286,7 @@ impl Run {
 }
 
 impl Sample {
-    /// Of a frame on the processor.
+    /// A frame on the processor.
     pub fn new(prepare_secs: f64, shade_secs: f64) -> Self {
         Self { prepare_secs, shade_secs, read_back_secs: None, device_secs: None }
     }

@@ -1,7 +1,7 @@
 //! Calling strategies: all of them split and threaded the same way.
 
-use halfshade_scene::{RadianceBuffer, RadianceMut, Receivers};
-use halfshade_strategy::{Batching, Prepared};
+use halfshade_scene::{Frame, RadianceBuffer, RadianceMut, Receivers};
+use halfshade_strategy::{Baked, Batching, Prepared, StrategyError};
 
 /// Receivers per call: enough to fill the vector units many times over, few enough to share out among threads.
 pub const CHUNK: usize = 1024;
@@ -12,6 +12,20 @@ pub fn shade_all(prepared: &dyn Prepared, receivers: Receivers<'_>, out: &mut Ra
         Batching::AnySplit => shade(prepared, receivers, out.view_mut()),
         Batching::WholeFrame => prepared.shade(receivers, out.view_mut()),
     }
+}
+
+/// Radiance of all receivers of a frame, prepared, shaded and read back.
+pub fn shade_frame(
+    baked: &mut dyn Baked,
+    frame: &Frame<'_>,
+    receivers: Receivers<'_>,
+) -> Result<RadianceBuffer, StrategyError> {
+    baked.place_receivers(frame, receivers)?;
+    let prepared = baked.prepare(frame)?;
+    let mut radiance = RadianceBuffer::zeros(receivers.len());
+    shade_all(prepared.as_ref(), receivers, &mut radiance);
+    prepared.read_back(radiance.view_mut())?;
+    Ok(radiance)
 }
 
 fn shade(prepared: &dyn Prepared, receivers: Receivers<'_>, out: RadianceMut<'_>) {

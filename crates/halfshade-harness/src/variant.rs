@@ -49,8 +49,7 @@ impl Variant {
     /// Name and all parameters: the same for the same work, however it was written.
     pub fn key(&self) -> String {
         let all: Vec<String> = self.params.iter().map(|(key, value)| format!("{key}={value}")).collect();
-        let device = if self.device.is_cpu() { String::new() } else { format!("@{}", self.device) };
-        format!("{}{device}:{}", self.name, all.join(","))
+        format!("{}{}:{}", self.name, self.device.key(), all.join(","))
     }
 
     /// The parameter `bands`, where the strategy has one.

@@ -1,4 +1,4 @@
-//! What the device shades is what the CPU does, up to rounding.
+//! The device shades as the CPU does, up to rounding.
 
 use glam::{Quat, Vec3};
 use halfshade_scene::{

@@ -8,7 +8,7 @@ use crate::{
     image_metrics::Similarity,
     metrics::compare,
     results::{Detail, ErrorFigures, Memory, Run, Status, TimeFigures},
-    shading::{count_not_finite, shade_all},
+    shading::{count_not_finite, shade_frame},
 };
 use halfshade_scene::{RadianceBuffer, Scene};
 use halfshade_strategy::{Baked, Effects, StrategyError};
@@ -78,12 +78,7 @@ fn shade_once(setup: &Setup<'_>, group: &Group<'_>, place: usize) -> Result<(f64
     }
     let (bake_secs, baked) = time_secs(tools.clock, || strategy.bake(frame.scene, &variant.params, tools.progress));
     let mut baked = baked?;
-    baked.place_receivers(frame, group.receivers.view())?;
-    let prepared = baked.prepare(frame)?;
-    let mut radiance = RadianceBuffer::zeros(group.receivers.len());
-    shade_all(prepared.as_ref(), group.receivers.view(), &mut radiance);
-    prepared.read_back(radiance.view_mut())?;
-    drop(prepared);
+    let radiance = shade_frame(baked.as_mut(), frame, group.receivers.view())?;
     let broken = count_not_finite(&radiance);
     if broken > 0 {
         return Err(Refusal::failed(format!("{broken} of {} values are not finite", 3 * radiance.len())));

@@ -26,11 +26,10 @@ pub struct Tools<'a> {
 impl Tools<'_> {
     /// The strategy of a variant on its device, if it has kernels there.
     pub(super) fn strategy(&self, variant: &Variant) -> Option<&dyn Strategy> {
-        let strategies = match variant.device {
-            Device::Cpu => return self.strategies.get(variant.strategy).map(Box::as_ref),
-            Device::Gpu => &self.graphics?.strategies,
-        };
-        strategies.iter().find(|strategy| strategy.info().name == variant.name).map(Box::as_ref)
+        match variant.device {
+            Device::Cpu => self.strategies.get(variant.strategy).map(Box::as_ref),
+            Device::Gpu => self.graphics?.strategy(&variant.name),
+        }
     }
 }
 

@@ -16,7 +16,7 @@ pub struct BatchExponential {
     blended: bool,
 }
 
-/// What a [`BatchExponential`] consists of.
+/// The parts of a [`BatchExponential`].
 #[derive(Debug, Clone, Copy)]
 pub struct ExponentialParts<'a> {
     /// Terms of the power series, if that is the inner form.

@@ -15,7 +15,7 @@ use halfshade_scene::{Frame, Receivers, spheres::AdjustRule};
 use halfshade_sh::{blocker_table::BlockerTable, kernel::BatchExponential};
 use halfshade_strategy::StrategyError;
 
-/// What holds for all frames of a scene.
+/// Tables that hold for all frames of a scene.
 #[derive(Debug, Clone, Copy)]
 pub struct SceneArrays<'a> {
     /// Bands of visibility.
@@ -47,7 +47,7 @@ pub enum CombinationArrays<'a> {
     Traced,
 }
 
-/// What holds for the frame that was prepared last.
+/// Data of the frame that was prepared last.
 #[derive(Debug, Clone, Copy)]
 pub struct FrameArrays<'a> {
     /// Light that is multiplied with visibility, in light space.

@@ -8,7 +8,7 @@ use glam::{DVec3, Vec3};
 /// Coordinates about it are nowhere larger than before, and differences of it and of single-precision coordinates within
 /// the corners are exact. So nothing is lost, however far apart things are: one that is far away doesn't take the digits
 /// of those that are near, and a scene that was moved as a whole gets its own back.
-pub(crate) fn origin_between(low: DVec3, high: DVec3) -> DVec3 {
+pub fn origin_between(low: DVec3, high: DVec3) -> DVec3 {
     let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
     let along = |axis: usize| if middle[axis].abs() >= 2.0 * half[axis] { middle[axis] as f32 } else { 0.0 };
     let origin = Vec3::from_array(std::array::from_fn(along));

@@ -45,7 +45,7 @@ pub struct Irradiance {
 }
 
 impl Unshadowed {
-    /// What it bakes for `scene`.
+    /// The table that it bakes for `scene`.
     pub fn irradiance(scene: &Scene, params: &Params) -> Irradiance {
         let grid = OctahedralGrid::new(Settings::read(params).normals);
         let mut irradiance = Irradiance { base: DistantLight::Constant(Vec3::ZERO), grid, table: Vec::new() };

@@ -10,9 +10,9 @@ use halfshade_harness::{
     Variant,
     image_io::{check_extension, write_picture},
     projection::Projection,
-    shading::{count_not_finite, shade_all},
+    shading::{count_not_finite, shade_frame},
 };
-use halfshade_scene::{Progress, RadianceBuffer, ReceiverBuffer};
+use halfshade_scene::{Progress, ReceiverBuffer};
 use halfshade_strategy::Effects;
 use halfshade_truth::Tracer;
 use std::process::ExitCode;
@@ -25,12 +25,10 @@ pub(super) fn render(context: &Context, arguments: &RenderArguments) -> Result<E
     let mut scene = context.scene(&arguments.scene, &output)?;
     let graphics = context.graphics_for(&[arguments.device.device()], arguments.device.name())?;
     let strategy = match &graphics {
-        None => &context.strategies[variant.strategy],
-        Some(graphics) => {
-            let found = graphics.strategies.iter().find(|strategy| strategy.info().name == variant.name);
-            let missing = || format!("`{}` has no kernels for graphics devices yet; take --device cpu", variant.name);
-            found.ok_or_else(|| Failure::Error(missing()))?
-        }
+        None => context.strategies[variant.strategy].as_ref(),
+        Some(graphics) => graphics.strategy(&variant.name).ok_or_else(|| {
+            Failure::Error(format!("`{}` has no kernels for graphics devices yet; take --device cpu", variant.name))
+        })?,
     };
     let missing = strategy.info().effects.missing(Effects::required_by(&scene));
     if !missing.is_empty() {
@@ -54,11 +52,7 @@ pub(super) fn render(context: &Context, arguments: &RenderArguments) -> Result<E
     }
     let failed = |error: halfshade_strategy::StrategyError| Failure::Error(format!("`{}`: {error}", variant.label));
     let mut baked = strategy.bake(&scene, &variant.params, &context.bars).map_err(failed)?;
-    baked.place_receivers(&frame, receivers.view()).map_err(failed)?;
-    let prepared = baked.prepare(&frame).map_err(failed)?;
-    let mut radiance = RadianceBuffer::zeros(receivers.len());
-    shade_all(prepared.as_ref(), receivers.view(), &mut radiance);
-    prepared.read_back(radiance.view_mut()).map_err(failed)?;
+    let radiance = shade_frame(baked.as_mut(), &frame, receivers.view()).map_err(failed)?;
     let broken = count_not_finite(&radiance);
     if broken > 0 {
         return Err(Failure::Error(format!("`{}`: {broken} values are not finite", variant.label)));
