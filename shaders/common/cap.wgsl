@@ -12,19 +12,18 @@ fn cap_irradiance(cosine: f32, sin_radius: f32) -> f32 {
     }
     let cos_radius = sqrt((1.0 - sine) * (1.0 + sine));
     let rim = sqrt(max((sine - cosine) * (sine + cosine), 0.0));
-    let over_rim = angle_less_tangent_share(rim, cos_radius);
+    let over_rim = angle_less_tangent_share(rim, cos_radius, sine * sine);
     return max(over_rim + sine * sine * cosine * atan2(rim, -cosine * cos_radius), 0.0);
 }
 
 // `atan2(q, c) - q·c` where q and c are sine and cosine of about the same angle, at most: for small ones the difference
-// of almost equal numbers, so by its series.
-fn angle_less_tangent_share(q: f32, c: f32) -> f32 {
-    if (q > 0.2) {
+// of almost equal numbers, so by its series. `sine_squared` is 1 - c², which c itself has lost.
+fn angle_less_tangent_share(q: f32, c: f32, sine_squared: f32) -> f32 {
+    if (q > 0.2 * c) {
         return atan2(q, c) - q * c;
     }
     // atan t = t - t³/3 + t⁵/5 - .., with t = q/c, and t - q·c = t (1 - c²).
     let t = q / c;
     let squared = t * t;
-    let sine_squared = (1.0 - c) * (1.0 + c);
     return t * (sine_squared - squared * (1.0 / 3.0 - squared * (1.0 / 5.0 - squared * (1.0 / 7.0 - squared / 9.0))));
 }

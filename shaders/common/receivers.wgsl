@@ -17,21 +17,17 @@ struct Receiver {
 struct Place {
     position: vec3f,
     object: u32,
-}
-
-struct Facing {
     normal: vec3f,
     // Receivers of a group see the same.
     group: u32,
 }
 
 @group(0) @binding(0) var<storage, read> places: array<Place>;
-@group(0) @binding(1) var<storage, read> normals: array<Facing>;
 // Albedo, channel by channel.
-@group(0) @binding(2) var<storage, read> albedos: array<f32>;
-@group(0) @binding(3) var<storage, read> placements: array<Placement>;
+@group(0) @binding(1) var<storage, read> albedos: array<f32>;
+@group(0) @binding(2) var<storage, read> placements: array<Placement>;
 // Outgoing radiance, channel by channel.
-@group(0) @binding(4) var<storage, read_write> radiances: array<f32>;
+@group(0) @binding(3) var<storage, read_write> radiances: array<f32>;
 
 fn receiver_count() -> u32 {
     return arrayLength(&places);
@@ -39,16 +35,15 @@ fn receiver_count() -> u32 {
 
 fn receiver_at(number: u32) -> Receiver {
     let place = places[number];
-    let facing = normals[number];
     let rows = placements[place.object].position;
     let point = vec4f(place.position, 1.0);
     let turned = placements[place.object].direction;
-    let normal = facing.normal;
+    let normal = place.normal;
     return Receiver(
         vec3f(dot(rows[0], point), dot(rows[1], point), dot(rows[2], point)),
         vec3f(dot(turned[0].xyz, normal), dot(turned[1].xyz, normal), dot(turned[2].xyz, normal)),
         place.object,
-        facing.group,
+        place.group,
     );
 }
 

@@ -19,12 +19,12 @@ fn seen_from(blocker: Blocker, position: vec3f, normal: vec3f) -> Seen {
     return Seen(moved.offset * sqrt(per_distance_squared), sin_squared);
 }
 
-// Zonal vector of a blocker, times its factors and `sqrt(4π/(2l+1))` of the rotation.
-fn zonal(blocker: Blocker, sin_squared: f32) -> ShBands {
+// Zonal vector of a blocker by the table that begins at a row, times its factors and `sqrt(4π/(2l+1))` of the rotation.
+fn zonal(blocker: Blocker, sin_squared: f32, table: u32) -> ShBands {
     let at = INTERVALS - sqrt(1.0 - sin_squared) * INTERVALS;
     let interval = min(floor(at), INTERVALS - 1.0);
     let t = at - interval;
-    let row = 2u * u32(interval);
+    let row = table + 2u * u32(interval);
     let low = (tables[row] + tables[row + 1u] * t) * sin_squared * blocker.low_factors;
     var high = vec4f(0.0);
     if (SH_BANDS > 4u) {

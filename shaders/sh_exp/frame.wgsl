@@ -6,32 +6,74 @@ struct Blocker {
     // How much of each band of its logarithm counts.
     low_factors: vec4f,
     high_factors: vec4f,
+    // Its number among the spheres of all levels.
+    emitter: u32,
+    // Factor of its reflected light.
+    reflection_factor: f32,
+    padding: vec2u,
+}
+
+// A table of the optimal linear form: its first row of `tables`, last entry, largest magnitude, entries per magnitude.
+struct LinearTable {
+    row: u32,
+    last: f32,
+    limit: f32,
+    per_magnitude: f32,
 }
 
 struct Frame {
     // Clamped cosine over π by band: constant light.
     low_cosine: vec4f,
     high_cosine: vec4f,
+    // The same without a window: reflected light.
+    low_reflectance: vec4f,
+    high_reflectance: vec4f,
     // Constant light; unused by a map.
     light: vec4f,
     sun_direction: vec4f,
     // Reflected radiance of a white surface that faces the sun; its sine of the angular radius.
     sun_perpendicular: vec4f,
-    // Rows of `tables` at which there begin: the exponential's, the light by normal, the sun's basis.
-    exponential_table: u32,
+    // Of shadows and of reflections.
+    shadow_table: LinearTable,
+    reflection_table: LinearTable,
+    // Rows of `tables` at which there begin: the light by normal, the sun's basis, logarithms by angular radius, form factors.
     light_table: u32,
     sun_table: u32,
+    log_table: u32,
+    form_table: u32,
     light_channels: u32,
-    // The exponential's table: last entry, largest magnitude, entries per magnitude. Cells of the grid over normals.
-    exponential_last: f32,
-    exponential_limit: f32,
-    exponential_per_magnitude: f32,
+    // Cells of the grid over normals.
     grid_cells: f32,
+    // Place in `numbers` of the masks of spheres that intersect.
+    masks: u32,
+    // Channels of what spheres radiate.
+    radiance_channels: u32,
+    // The first row of `radiating` about the surroundings of objects, and rows per object; 0: there are none.
+    ground: u32,
+    ground_rows: u32,
+    // The row of `tables` at which points of exposed shares begin.
+    fan: u32,
+    padding: u32,
+    // Rows of the rotation into the space in which points of exposed shares are fixed.
+    share_space: array<vec4f, 3>,
 }
 
 @group(1) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(1) var<storage, read> blockers: array<Blocker>;
-// First blocker and number of blockers, by group of receivers.
-@group(1) @binding(2) var<storage, read> cuts: array<vec2u>;
+// First blocker and number of blockers, by group of receivers; then masks, see `is_skipped`.
+@group(1) @binding(2) var<storage, read> numbers: array<u32>;
 // Blockers by angular radius from row 0 on, and the tables that `frame` tells of.
 @group(1) @binding(3) var<storage, read> tables: array<vec4f>;
+// Radiance of every sphere, channel by channel in rows of four; then the surroundings of objects, see `ground_radiance`.
+@group(1) @binding(4) var<storage, read> radiating: array<vec4f>;
+
+// Blockers that a group of receivers sees.
+struct Cut {
+    first: u32,
+    end: u32,
+}
+
+fn cut_of(group: u32) -> Cut {
+    let first = numbers[2u * group];
+    return Cut(first, first + numbers[2u * group + 1u]);
+}

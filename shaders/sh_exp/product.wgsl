@@ -2,15 +2,14 @@
 #import "sh_exp/blocker.wgsl"
 #import "sh_exp/exponential.wgsl"
 
-fn product_of_blockers(position: vec3f, normal: vec3f, group: u32) -> Sh {
+fn product_of_blockers(position: vec3f, normal: vec3f, cut: Cut) -> Sh {
     // V - 1.
     var h = Sh();
-    let cut = cuts[group];
-    for (var i = cut.x; i < cut.x + cut.y; i++) {
+    for (var i = cut.first; i < cut.end; i++) {
         let blocker = blockers[i];
         let seen = seen_from(blocker, position, normal);
         if (seen.sin_squared > 0.0) {
-            let minus_cap = sh_add_lobe(seen.direction, zonal(blocker, seen.sin_squared), Sh());
+            let minus_cap = sh_add_lobe(seen.direction, zonal(blocker, seen.sin_squared, 0u), Sh());
             // V*(1 - C) - 1 = (V - 1) - C + (V - 1)*(-C)
             h = limit_difference(sh_plus(sh_plus(h, minus_cap), sh_product(h, minus_cap)));
         }

@@ -2,6 +2,7 @@
 
 use crate::{Choice, GpuError};
 use std::{
+    num::NonZeroU64,
     sync::{
         Arc, Mutex, PoisonError,
         atomic::{AtomicU64, Ordering},
@@ -61,10 +62,18 @@ impl Faults {
 #[derive(Debug)]
 pub(crate) struct DeviceBuffer {
     pub(crate) buffer: wgpu::Buffer,
+    /// Bytes that were asked for: kernels see so many.
+    asked: u64,
     held: Arc<AtomicU64>,
 }
 
 impl DeviceBuffer {
+    /// What kernels see; of an empty array some element, since there is no empty binding.
+    pub(crate) fn binding(&self) -> wgpu::BindingResource<'_> {
+        let size = NonZeroU64::new(self.asked.next_multiple_of(4));
+        wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer: &self.buffer, offset: 0, size })
+    }
+
     pub(crate) fn bytes(&self) -> usize {
         self.buffer.size() as usize
     }
@@ -149,13 +158,20 @@ impl Gpu {
         if size > limit {
             return Err(GpuError::TooLarge { what: what.to_owned(), bytes, limit });
         }
-        self.new_buffer(what, size, usage | wgpu::BufferUsages::COPY_DST)
+        self.new_buffer(what, bytes, size, usage | wgpu::BufferUsages::COPY_DST)
     }
 
-    fn new_buffer(&self, what: &str, size: u64, usage: wgpu::BufferUsages) -> Result<DeviceBuffer, GpuError> {
+    fn new_buffer(
+        &self,
+        what: &str,
+        asked: u64,
+        size: u64,
+        usage: wgpu::BufferUsages,
+    ) -> Result<DeviceBuffer, GpuError> {
         self.held.fetch_add(size, Ordering::Relaxed);
         let descriptor = wgpu::BufferDescriptor { label: Some(what), size, usage, mapped_at_creation: false };
-        let buffer = DeviceBuffer { buffer: self.device.create_buffer(&descriptor), held: self.held.clone() };
+        let buffer = self.device.create_buffer(&descriptor);
+        let buffer = DeviceBuffer { buffer, asked, held: self.held.clone() };
         self.check()?;
         Ok(buffer)
     }
@@ -163,12 +179,23 @@ impl Gpu {
     /// A buffer of which the processor reads what was copied into it.
     pub(crate) fn staging(&self, what: &str, bytes: u64) -> Result<DeviceBuffer, GpuError> {
         let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
-        self.new_buffer(what, bytes.max(16).next_multiple_of(16), usage)
+        self.new_buffer(what, bytes, bytes.max(16).next_multiple_of(16), usage)
     }
 
     /// A buffer for the device's clock.
     pub(crate) fn query_results(&self, what: &str, bytes: u64) -> Result<DeviceBuffer, GpuError> {
-        self.new_buffer(what, bytes, wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC)
+        self.new_buffer(what, bytes, bytes, wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC)
+    }
+
+    /// Makes a buffer that has room for so many bytes, if there is none yet. True if it is another buffer.
+    pub(crate) fn reserve(&self, what: &str, slot: &mut Option<DeviceBuffer>, bytes: usize) -> Result<bool, GpuError> {
+        if slot.as_ref().is_some_and(|buffer| buffer.bytes() >= bytes) {
+            return Ok(false);
+        }
+        // The old one goes first: both may not fit.
+        *slot = None;
+        *slot = Some(self.buffer(what, bytes as u64)?);
+        Ok(true)
     }
 
     /// Writes `values` into a buffer that has room for them, making a larger one if it hasn't. True if it is another buffer.
@@ -179,14 +206,11 @@ impl Gpu {
         values: &[T],
     ) -> Result<bool, GpuError> {
         let bytes = bytemuck::cast_slice::<T, u8>(values);
-        if let Some(buffer) = slot.as_ref().filter(|buffer| buffer.bytes() >= bytes.len()) {
+        let is_new = self.reserve(what, slot, bytes.len())?;
+        if let Some(buffer) = slot {
             self.queue.write_buffer(&buffer.buffer, 0, bytes);
-            return Ok(false);
         }
-        // The old one goes first: both may not fit.
-        *slot = None;
-        *slot = Some(self.filled(what, values)?);
-        Ok(true)
+        Ok(is_new)
     }
 
     /// A buffer that holds `values`.

@@ -35,7 +35,7 @@ pub struct Missing {
     pub instead: &'static str,
 }
 
-const RECEIVERS: &[&str] = &["places", "normals", "albedos", "placements", "radiances"];
+const RECEIVERS: &[&str] = &["places", "albedos", "placements", "radiances"];
 
 const TANGENT_PLANE: Twin = Twin {
     shader: "shared/tangent_plane.wgsl",
@@ -93,7 +93,7 @@ pub const RAY_TRACED: Kernel = Kernel {
     buffers: &[RECEIVERS, &["frame", "nodes", "triangles", "rows"], &["part"]],
 };
 
-/// Shadows of `sh-exp`.
+/// Shadows of `sh-exp`, and the second pass of its reflections.
 pub const SH_EXP: Kernel = Kernel {
     name: "sh-exp",
     shader: "sh_exp/shade.wgsl",
@@ -126,23 +126,51 @@ pub const SH_EXP: Kernel = Kernel {
             reason: "rounding of hundreds of products in turn",
         },
         Twin {
+            shader: "sh_exp/shares.wgsl",
+            cpu: "halfshade_strategies::sh_exp::kernel::shares",
+            tolerance: 1e-4,
+            reason: "differences of unit directions, in units of the smallest cap",
+        },
+        Twin {
             shader: "sh_exp/light.wgsl",
             cpu: "halfshade_strategies::sh_exp::kernel::light",
             tolerance: 1e-4,
             reason: "those of its parts",
         },
+        Twin {
+            shader: "sh_exp/gather.wgsl",
+            cpu: "halfshade_strategies::sh_exp::kernel::gather",
+            tolerance: 1e-3,
+            reason: "spheres at equal distances may change places; differences of exponentials",
+        },
+        Twin {
+            shader: "sh_exp/ground.wgsl",
+            cpu: "halfshade_strategies::sh_exp::kernel::ground",
+            tolerance: 1e-4,
+            reason: "rounding of a product",
+        },
     ],
-    buffers: &[RECEIVERS, &["frame", "blockers", "cuts", "tables"]],
+    buffers: &[RECEIVERS, &["frame", "blockers", "numbers", "tables", "radiating"]],
+};
+
+/// First pass of the reflections of `sh-exp`, after its shadows at sample points.
+pub const SH_EXP_EMIT: Kernel = Kernel {
+    name: "sh-exp-emit",
+    shader: "sh_exp/emit.wgsl",
+    twins: &[Twin {
+        shader: "sh_exp/emit.wgsl",
+        cpu: "halfshade_strategies::sh_exp::prepare::emitters",
+        tolerance: 1e-5,
+        reason: "sums in single precision",
+    }],
+    buffers: &[&["rounds", "emitters", "weights", "rotations", "light", "radiance"]],
 };
 
 /// All kernels.
-pub const KERNELS: &[Kernel] = &[UNSHADOWED, RAY_TRACED, SH_EXP];
+pub const KERNELS: &[Kernel] = &[UNSHADOWED, RAY_TRACED, SH_EXP, SH_EXP_EMIT];
 
 /// All that has none.
 pub const MISSING: &[Missing] = &[
-    Missing { cpu: "halfshade_strategies::sh_exp::kernel::gather", instead: "bounces=0 or device `cpu`" },
-    Missing { cpu: "halfshade_strategies::sh_exp::kernel::ground", instead: "ground=ignored or device `cpu`" },
-    Missing { cpu: "halfshade_strategies::sh_exp::kernel::shares", instead: "exp=hybrid or device `cpu`" },
     Missing { cpu: "halfshade_strategies::sh_exp::kernel::traced", instead: "exp=hybrid or device `cpu`" },
     Missing {
         cpu: "halfshade_strategies::ray_traced::shade::reflector",

@@ -11,6 +11,7 @@ mod error;
 mod hierarchy;
 pub mod kernels;
 mod pipeline;
+pub mod probe;
 mod ray_traced;
 mod receivers;
 mod runner;

@@ -40,16 +40,16 @@ impl Pipelines {
         if let Some(pipeline) = known.get(&key) {
             return Ok(pipeline.clone());
         }
-        let pipeline = Arc::new(Pipeline::new(gpu, kernel, bands, constants)?);
+        let pipeline = Arc::new(Pipeline::new(gpu, kernel.name, shader::module(kernel.shader, bands), constants)?);
         known.insert(key, pipeline.clone());
         Ok(pipeline)
     }
 }
 
 /// One dispatch.
-#[derive(Debug)]
-pub(crate) struct Pass<'a> {
-    pub(crate) pipeline: &'a Pipeline,
+#[derive(Debug, Clone)]
+pub(crate) struct Pass {
+    pub(crate) pipeline: Arc<Pipeline>,
     pub(crate) bind_groups: Vec<wgpu::BindGroup>,
     /// Receivers, or whatever there is an invocation for each.
     pub(crate) count: usize,
@@ -72,13 +72,18 @@ struct Queries {
 }
 
 impl Pipeline {
-    fn new(gpu: &Gpu, kernel: &Kernel, bands: Option<usize>, constants: &[(&str, f64)]) -> Result<Self, GpuError> {
-        let code = shader::module(kernel.shader, bands);
+    /// The entry point `main` of some WGSL.
+    pub(crate) fn new(
+        gpu: &Gpu,
+        name: &'static str,
+        code: String,
+        constants: &[(&str, f64)],
+    ) -> Result<Self, GpuError> {
         let descriptor =
-            wgpu::ShaderModuleDescriptor { label: Some(kernel.name), source: wgpu::ShaderSource::Wgsl(code.into()) };
+            wgpu::ShaderModuleDescriptor { label: Some(name), source: wgpu::ShaderSource::Wgsl(code.into()) };
         let module = gpu.device.create_shader_module(descriptor);
         let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some(kernel.name),
+            label: Some(name),
             layout: None,
             module: &module,
             entry_point: Some("main"),
@@ -86,14 +91,24 @@ impl Pipeline {
             cache: None,
         });
         gpu.check()?;
-        Ok(Self { pipeline, name: kernel.name })
+        Ok(Self { pipeline, name })
     }
 
     /// The buffers of a group of bindings, from binding 0 on.
     pub(crate) fn bind(&self, gpu: &Gpu, group: u32, buffers: &[&DeviceBuffer]) -> wgpu::BindGroup {
-        let resources = buffers.iter().map(|buffer| buffer.buffer.as_entire_binding());
-        let entry = |(resource, binding)| wgpu::BindGroupEntry { binding, resource };
-        let entries: Vec<_> = resources.zip(0..).map(entry).collect();
+        self.bind_at(gpu, group, buffers.iter().copied().zip(0..))
+    }
+
+    /// Buffers and their places in a group of bindings.
+    pub(crate) fn bind_at<'a>(
+        &self,
+        gpu: &Gpu,
+        group: u32,
+        buffers: impl IntoIterator<Item = (&'a DeviceBuffer, u32)>,
+    ) -> wgpu::BindGroup {
+        let entry =
+            |(buffer, binding): (&'a DeviceBuffer, u32)| wgpu::BindGroupEntry { binding, resource: buffer.binding() };
+        let entries: Vec<_> = buffers.into_iter().map(entry).collect();
         gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some(self.name),
             layout: &self.pipeline.get_bind_group_layout(group),
@@ -118,7 +133,7 @@ impl PassClock {
     }
 
     /// Runs the passes one after another and waits for them.
-    pub(crate) fn run(&self, gpu: &Gpu, passes: &[Pass<'_>]) -> Result<(), GpuError> {
+    pub(crate) fn run(&self, gpu: &Gpu, passes: &[Pass]) -> Result<(), GpuError> {
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         // The time of some alone would say nothing about all.
         let queries = self.queries.as_ref().filter(|_| passes.len() <= MOST_PASSES as usize);

@@ -45,7 +45,6 @@ struct Part {
     first: usize,
     count: usize,
     places: DeviceBuffer,
-    normals: DeviceBuffer,
     albedos: DeviceBuffer,
     radiances: DeviceBuffer,
 }
@@ -119,14 +118,13 @@ impl ResidentReceivers {
         let mut parts = Vec::new();
         for first in (0..count).step_by(MOST_RECEIVERS) {
             let range = first..(first + MOST_RECEIVERS).min(count);
-            let (places, normals) = rows(&rest[range.clone()], &objects[range.clone()], &groups[range.clone()]);
+            let places = places(&rest[range.clone()], &objects[range.clone()], &groups[range.clone()]);
             let albedos: Vec<f32> =
                 receivers.albedo.iter().flat_map(|channel| &channel[range.clone()]).copied().collect();
             parts.push(Part {
                 first,
                 count: range.len(),
                 places: gpu.filled("places of receivers", &places)?,
-                normals: gpu.filled("normals of receivers", &normals)?,
                 albedos: gpu.filled("albedos of receivers", &albedos)?,
                 radiances: gpu.buffer("radiances", 12 * range.len() as u64)?,
             });
@@ -143,6 +141,16 @@ impl ResidentReceivers {
         self.count
     }
 
+    /// Dispatches that all of them take.
+    pub(crate) fn parts(&self) -> usize {
+        self.parts.len()
+    }
+
+    /// Outgoing radiance of every part, channel by channel.
+    pub(crate) fn radiances(&self) -> impl Iterator<Item = &DeviceBuffer> {
+        self.parts.iter().map(|part| &part.radiances)
+    }
+
     /// Brings the objects' places up to `frame`. True if bindings are to be made again.
     pub(crate) fn place(&mut self, gpu: &Gpu, frame: &Frame<'_>, space: &KernelSpace) -> Result<bool, GpuError> {
         if let Some(deforming) = &mut self.deforming {
@@ -150,9 +158,8 @@ impl ResidentReceivers {
             for part in &self.parts {
                 let range = part.first..part.first + part.count;
                 let Deforming { rest, object, group, .. } = &*deforming;
-                let (places, normals) = rows(&rest[range.clone()], &object[range.clone()], &group[range]);
+                let places = places(&rest[range.clone()], &object[range.clone()], &group[range]);
                 gpu.queue.write_buffer(&part.places.buffer, 0, bytemuck::cast_slice(&places));
-                gpu.queue.write_buffer(&part.normals.buffer, 0, bytemuck::cast_slice(&normals));
             }
         }
         gpu.write("placements of objects", &mut self.placements, &space.placements(frame))
@@ -162,7 +169,7 @@ impl ResidentReceivers {
     pub(crate) fn bind(&self, gpu: &Gpu, pipeline: &Pipeline) -> Vec<(wgpu::BindGroup, usize)> {
         let Some(placements) = &self.placements else { return Vec::new() };
         let bind = |part: &Part| {
-            let buffers = [&part.places, &part.normals, &part.albedos, placements, &part.radiances];
+            let buffers = [&part.places, &part.albedos, placements, &part.radiances];
             (pipeline.bind(gpu, 0, &buffers), part.count)
         };
         self.parts.iter().map(bind).collect()
@@ -191,8 +198,7 @@ impl ResidentReceivers {
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        let of_part =
-            |part: &Part| [&part.places, &part.normals, &part.albedos, &part.radiances].map(DeviceBuffer::bytes);
+        let of_part = |part: &Part| [&part.places, &part.albedos, &part.radiances].map(DeviceBuffer::bytes);
         let parts: usize = self.parts.iter().flat_map(of_part).sum();
         parts + self.placements.as_ref().map_or(0, DeviceBuffer::bytes)
     }
@@ -238,18 +244,23 @@ fn at_rest(frame: &Frame<'_>, receivers: Receivers<'_>, i: usize) -> [Vec3; 2] {
     [position.as_vec3(), (back * normal.as_dvec3()).as_vec3()]
 }
 
-/// A vector and a number, as kernels read them.
+/// A receiver in its object's space, as `common/receivers.wgsl` reads it.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
-pub(crate) struct Row {
-    pub(crate) vector: [f32; 3],
-    pub(crate) number: u32,
+pub(crate) struct Place {
+    pub(crate) position: [f32; 3],
+    pub(crate) object: u32,
+    pub(crate) normal: [f32; 3],
+    pub(crate) group: u32,
 }
 
-/// Places and normals as kernels read them.
-fn rows(rest: &[[Vec3; 2]], object: &[u32], group: &[u32]) -> (Vec<Row>, Vec<Row>) {
-    let row = |vector: Vec3, number: u32| Row { vector: vector.to_array(), number };
-    let places = rest.iter().zip(object).map(|([position, _], &object)| row(*position, object)).collect();
-    let normals = rest.iter().zip(group).map(|([_, normal], &group)| row(*normal, group)).collect();
-    (places, normals)
+/// Receivers as kernels read them.
+fn places(rest: &[[Vec3; 2]], object: &[u32], group: &[u32]) -> Vec<Place> {
+    let place = |((&[position, normal], &object), &group): ((&[Vec3; 2], &u32), &u32)| Place {
+        position: position.to_array(),
+        object,
+        normal: normal.to_array(),
+        group,
+    };
+    rest.iter().zip(object).zip(group).map(place).collect()
 }

@@ -32,6 +32,8 @@ pub(crate) struct Runner {
     /// Names of those buffers.
     names: &'static [&'static str],
     bindings: Option<Bindings>,
+    /// Other kernels that run before.
+    before: Vec<Pass>,
     /// Settings of each dispatch, where a frame takes several, and their bindings of group 2.
     parts: Vec<(DeviceBuffer, wgpu::BindGroup)>,
     /// The error while shading, for who reads back.
@@ -67,6 +69,7 @@ impl Runner {
             buffers: names.iter().map(|_| None).collect(),
             names,
             bindings: None,
+            before: Vec::new(),
             parts: Vec::new(),
             fault: Mutex::default(),
             gpu: gpu.clone(),
@@ -127,16 +130,42 @@ impl Runner {
         }
     }
 
-    /// Sends what was written on its way, and makes bindings anew if a buffer is another one.
-    pub(crate) fn upload(&mut self) -> Result<(), GpuError> {
+    /// Makes room in the buffer of group 1 at a binding, which a kernel is going to write.
+    pub(crate) fn reserve(&mut self, binding: usize, bytes: usize) -> Result<(), GpuError> {
+        let place = binding - 1;
+        if self.gpu.reserve(self.names[place], &mut self.buffers[place], bytes)? {
+            self.bindings = None;
+        }
+        Ok(())
+    }
+
+    /// The buffer of group 1 at a binding, from 1 on.
+    pub(crate) fn buffer(&self, binding: usize) -> Option<&DeviceBuffer> {
+        self.buffers[binding - 1].as_ref()
+    }
+
+    /// Runs other kernels before this one, frame by frame.
+    pub(crate) fn run_before(&mut self, passes: Vec<Pass>) {
+        self.before = passes;
+    }
+
+    /// Sends what was written on its way, and makes bindings anew if a buffer is another one: then it is true.
+    pub(crate) fn upload(&mut self) -> Result<bool, GpuError> {
         self.gpu.queue.submit([]);
-        if self.bindings.is_none() {
-            let buffers = std::iter::once(&self.uniforms).chain(self.buffers.iter().flatten());
-            let frame = self.pipeline.bind(&self.gpu, 1, &buffers.collect::<Vec<_>>());
+        let is_new = self.bindings.is_none();
+        if is_new {
+            let frame = self.bind_frame(&self.pipeline);
             let receivers = self.receivers.bind(&self.gpu, &self.pipeline);
             self.bindings = Some(Bindings { receivers, frame });
         }
-        self.gpu.check()
+        self.gpu.check()?;
+        Ok(is_new)
+    }
+
+    /// The frame's data as a pipeline of this kernel or of a like one reads it.
+    pub(crate) fn bind_frame(&self, pipeline: &Pipeline) -> wgpu::BindGroup {
+        let buffers = std::iter::once(&self.uniforms).chain(self.buffers.iter().flatten());
+        pipeline.bind(&self.gpu, 1, &buffers.collect::<Vec<_>>())
     }
 
     fn run(&self, count: usize) -> Result<(), GpuError> {
@@ -145,11 +174,11 @@ impl Runner {
             return Err(GpuError::Refused(format!("{count} receivers are to be shaded, but {placed} were placed")));
         }
         let Some(Bindings { receivers, frame }) = &self.bindings else { return Ok(()) };
-        let mut passes = Vec::new();
+        let mut passes = self.before.clone();
         for (places, count) in receivers {
             let mut add = |part: Option<&'_ wgpu::BindGroup>| {
                 let bind_groups = [places, frame].into_iter().chain(part).cloned().collect();
-                passes.push(Pass { pipeline: &self.pipeline, bind_groups, count: *count });
+                passes.push(Pass { pipeline: self.pipeline.clone(), bind_groups, count: *count });
             };
             match self.parts.as_slice() {
                 [] => add(None),

@@ -70,7 +70,7 @@ fn legendre(bands: usize, z: f64) -> impl Iterator<Item = f64> {
 
 /// Intervals of a table. Linear interpolation errs by less than 1e-4 up to sin θ = 0.95, by 5e-3 at 8 bands where the
 /// receiver nearly touches the sphere.
-const INTERVALS: usize = 256;
+pub const INTERVALS: usize = 256;
 
 /// [`form_factor`] by sin θ, eight lookups at a time.
 #[derive(Debug, Clone)]
@@ -88,6 +88,11 @@ impl FormFactorTable {
             f32x8::from(std::array::from_fn::<f32, LANES, _>(|l| values[l] as f32))
         };
         Self { rows: (0..=INTERVALS).map(row).collect() }
+    }
+
+    /// Values of all bands at each end of an interval, for kernels elsewhere.
+    pub fn rows(&self) -> impl Iterator<Item = [f32; LANES]> {
+        self.rows.iter().map(|row| row.to_array())
     }
 
     /// Memory in bytes.

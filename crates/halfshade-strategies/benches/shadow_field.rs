@@ -19,10 +19,14 @@ fn shading(criterion: &mut Criterion) {
     {
         let receivers = ReceiverBuffer::gathered(all.view(), &(0..all.len() as u32).step_by(every).collect::<Vec<_>>());
         group.throughput(Throughput::Elements(receivers.len() as u64)).sample_size(10);
+        let mut baked = None;
         group.bench_function(BenchmarkId::new("shade", settings), |bencher| {
-            let strategy = ShadowField::default();
-            let params = strategy.info().parse(settings).expect("valid settings");
-            let mut baked = strategy.bake(&scene, &params, &Silent).expect("bakes");
+            // Once and not for every sample, and only if it is asked for: wavelets take a minute.
+            let baked = baked.get_or_insert_with(|| {
+                let strategy = ShadowField::default();
+                let params = strategy.info().parse(settings).expect("valid settings");
+                strategy.bake(&scene, &params, &Silent).expect("bakes")
+            });
             let prepared = baked.prepare(&frame).expect("prepares");
             let mut out = RadianceBuffer::zeros(receivers.len());
             bencher.iter(|| prepared.shade(black_box(receivers.view()), out.view_mut()));

@@ -3,6 +3,7 @@
 //! Without a device all of these report themselves ignored; with `HALFSHADE_REQUIRE_GPU=1` that is a failure.
 
 mod beside_the_cpu;
+mod twins;
 
 use halfshade_gpu::{Choice, Gpu, strategies};
 use halfshade_strategies::{RayTraced, ShExp, Unshadowed};
@@ -13,16 +14,28 @@ use halfshade_strategy::{
 use libtest_mimic::{Arguments, Failed, Trial};
 use std::{process::ExitCode, sync::Arc};
 
-/// Settings of `sh-exp` that have kernels.
-const SH_EXP: [&str; 8] = [
+/// Settings of `sh-exp` that are held to the contract.
+const SH_EXP: [&str; 11] = [
+    "",
+    "as-published",
     "bounces=0,exp=hybrid",
     "bounces=0,exp=product",
     "bounces=0,exp=series",
+    "bounces=0,exp=shares,points=5",
     "bounces=0,exp=quadratic,bands=3",
     "bounces=0,exp=optimal-linear,bands=2",
     "bounces=0,exp=hybrid,bands=6,normals=16",
     "bounces=0,exp=hybrid,clamp=on,rule=published,window=hann,squaring=published",
     "bounces=0,levels=tree,rule=covering",
+];
+
+/// Settings of `sh-exp` that are only compared with the CPU.
+const SH_EXP_BESIDE: [&str; 5] = [
+    "intersections=precomputed,order=power,clamp=on",
+    "walk=quadratic,reflection-exp=series,bands=3",
+    "exp=product,reflection-exp=optimal-linear,levels=cluster",
+    "ground=seen",
+    "ground=seen,bounces=0,clamp=on",
 ];
 
 /// Settings of `ray-traced` that are compared with the CPU: by light and by cosine alone, and more samples than one dispatch
@@ -41,7 +54,8 @@ fn main() -> ExitCode {
         })
         .with_ignored_flag(!is_required),
     ];
-    let on_device: Option<Arc<Strategies>> = gpu.ok().flatten().map(|gpu| Arc::new(strategies(&gpu)));
+    let gpu = gpu.ok().flatten();
+    let on_device: Option<Arc<Strategies>> = gpu.as_ref().map(|gpu| Arc::new(strategies(gpu)));
     let mut add = |name: String, test: Box<dyn FnOnce(Arc<Strategies>) -> Result<(), Failed> + Send>| {
         let device = on_device.clone();
         let run = move || device.map_or(Ok(()), test);
@@ -58,11 +72,18 @@ fn main() -> ExitCode {
         }
     }
     let subjects = subjects().into_iter().map(|(strategy, settings, _)| (strategy, settings));
-    for (strategy, settings) in subjects.chain(RAYS.map(|settings| ("ray-traced", settings))) {
+    let others = RAYS.map(|settings| ("ray-traced", settings)).into_iter();
+    let others = others.chain(SH_EXP_BESIDE.map(|settings| ("sh-exp", settings)));
+    for (strategy, settings) in subjects.chain(others) {
         add(
             format!("{strategy}({settings})::as_on_the_cpu"),
             Box::new(move |all| beside_the_cpu::compare(on(&all, strategy), cpu(strategy).as_ref(), settings)),
         );
+    }
+    for (name, test) in twins::TESTS {
+        let gpu = gpu.clone();
+        let run = move || gpu.map_or(Ok(()), |gpu| test(&gpu));
+        trials.push(Trial::test(format!("twins::{name}"), run).with_ignored_flag(on_device.is_none()));
     }
     libtest_mimic::run(&arguments, trials).exit_code()
 }

@@ -64,18 +64,22 @@ struct PreparedCap {
 impl ExposedShares {
     /// With `points` (at least 1) per cap and memory for `capacity` caps.
     pub fn new(points: usize, capacity: usize) -> Self {
-        let points = points.max(1);
-        let fan = (0..points).map(|point| {
-            let (sine, cosine) = (GOLDEN_ANGLE * point as f64).sin_cos();
-            [((point as f64 + 0.5) / points as f64) as f32, cosine as f32, sine as f32]
-        });
         Self {
-            fan: fan.collect(),
+            fan: Self::fan(points).collect(),
             points: Vec::with_capacity(points),
             caps: Vec::with_capacity(capacity),
             near: Vec::with_capacity(capacity * capacity.div_ceil(64)),
             shares: Vec::with_capacity(capacity),
         }
+    }
+
+    /// The points of a cap, at least 1: each one's share of the versine, and the cosine and sine of its turn.
+    pub fn fan(points: usize) -> impl Iterator<Item = [f32; 3]> {
+        let points = points.max(1);
+        (0..points).map(move |point| {
+            let (sine, cosine) = (GOLDEN_ANGLE * point as f64).sin_cos();
+            [((point as f64 + 0.5) / points as f64) as f32, cosine as f32, sine as f32]
+        })
     }
 
     /// The exposed share, in (0, 1], of every cap among all of `caps`: the mean over the cap of 1 over the number of

@@ -7,12 +7,16 @@ pub use super::kernel::{
 };
 use super::{
     BakedScene,
-    bake::Visibility,
-    prepare::{self, cuts::CutOf},
+    bake::{Visibility, reflections::ReflectionTables},
+    prepare::{self, cuts::CutOf, emitters, frame::FrameData},
+    settings::{Intersections, Order, Walk},
 };
-use glam::{DMat3, DVec3};
-use halfshade_scene::{Frame, Receivers, spheres::AdjustRule};
-use halfshade_sh::{blocker_table::BlockerTable, kernel::BatchExponential};
+pub use super::{kernel::ground::GroundField, prepare::FirstPass};
+use glam::{DMat3, DQuat, DVec3};
+use halfshade_scene::{Frame, ReceiverBuffer, Receivers, spheres::AdjustRule};
+use halfshade_sh::{
+    blocker_table::BlockerTable, form_factor::FormFactorTable, kernel::BatchExponential, rotation::ShRotation,
+};
 use halfshade_strategy::StrategyError;
 
 /// Tables that hold for all frames of a scene.
@@ -28,10 +32,73 @@ pub struct SceneArrays<'a> {
     pub blockers: &'a BlockerTable,
     /// How blockers combine.
     pub combination: CombinationArrays<'a>,
-    /// Whether spheres radiate, too.
-    pub reflects: bool,
-    /// Whether objects without spheres are seen.
-    pub sees_ground: bool,
+    /// How spheres radiate, if they do.
+    pub reflections: Option<ReflectionArrays<'a>>,
+    /// Clamped cosine over π by band, times the rotation's factor, if objects without spheres are seen.
+    pub ground_cosine: Option<&'a [f32]>,
+}
+
+/// Tables of reflections that hold for all frames.
+#[derive(Debug, Clone, Copy)]
+pub struct ReflectionArrays<'a> {
+    tables: &'a ReflectionTables,
+    /// Bounces of light, at least 1.
+    pub bounces: usize,
+    /// Log blockers.
+    pub logs: &'a BlockerTable,
+    /// Their exponential.
+    pub exponential: &'a BatchExponential,
+    /// Averages over what is seen of a sphere.
+    pub form: &'a FormFactorTable,
+    /// Clamped cosine over π by band, times the rotation's factor.
+    pub cosine: &'a [f32],
+    /// Whether spheres are ordered by power distance, not by that of their centres.
+    pub by_power: bool,
+    /// Whether intersecting spheres of an object don't cover each other.
+    pub is_precomputed: bool,
+    /// Whether sums over nearer spheres are found one by one.
+    pub is_quadratic: bool,
+    /// Channels of the weights of [`Self::surfaces`]: 1 or 3.
+    pub surface_channels: usize,
+    /// Coefficients of a radiance vector that are not 0.
+    pub radiance_coefficients: usize,
+    /// The object of each emitter.
+    pub owners: &'a [u32],
+    /// The emitters of the same object and level that each one intersects.
+    pub neighbours: &'a [Vec<u32>],
+}
+
+impl<'a> ReflectionArrays<'a> {
+    /// Per emitter its number of sample points, and W_j of each and channel.
+    pub fn surfaces(&self) -> impl ExactSizeIterator<Item = (usize, &'a [f32])> {
+        self.tables.surfaces.iter().map(|surface| (surface.samples.len(), surface.weights.as_slice()))
+    }
+
+    /// The sample points of all emitters as white receivers, and the emitter of each.
+    pub fn sample_points(&self, frame: &Frame<'_>) -> (ReceiverBuffer, Vec<u32>) {
+        let mut points = Default::default();
+        emitters::place(self.tables, frame, &mut points);
+        (points.receivers, points.emitters)
+    }
+
+    /// Rotations of radiance vectors into light space: each at least once, and the number of that of each emitter.
+    pub fn rotations(&self, frame: &Frame<'_>, turns: &[DQuat]) -> (Vec<ShRotation>, Vec<u32>) {
+        let into_light = emitters::IntoLight::new(self.bands(), frame);
+        let mut rotations = into_light.of_objects();
+        let mut number = |(&object, &turn): (&u32, &DQuat)| {
+            if turn == DQuat::IDENTITY {
+                return object;
+            }
+            rotations.push(into_light.rotation(object as usize, turn));
+            rotations.len() as u32 - 1
+        };
+        let numbers = self.owners.iter().zip(turns).map(&mut number).collect();
+        (rotations, numbers)
+    }
+
+    fn bands(&self) -> usize {
+        self.tables.bands
+    }
 }
 
 /// How blockers become visibility.
@@ -42,7 +109,10 @@ pub enum CombinationArrays<'a> {
     /// One product after another.
     Product,
     /// Each by the share of it that no other hides.
-    Shares,
+    Shares {
+        /// Points per sphere that find it.
+        points: usize,
+    },
     /// Traced.
     Traced,
 }
@@ -58,15 +128,25 @@ pub struct FrameArrays<'a> {
     pub rotation: DMat3,
     /// Its origin.
     pub center: DVec3,
+    /// A space that turns with the blockers, from light space.
+    pub blockers_from_light: DMat3,
+    /// How each emitter has turned within its object since rest.
+    pub turns: &'a [DQuat],
+    /// Whether nothing has a colour.
+    pub is_grey: bool,
+    /// Per emitter and channel what it radiates, after a [`FirstPass::Here`]; channels follow each other.
+    pub radiance: &'a [f32],
+    /// Objects without spheres as each object sees them, and the same if they were black; empty if they aren't seen.
+    pub ground: [&'a [Option<GroundField>]; 2],
 }
 
 impl BakedScene {
-    /// Makes `frame` the frame of [`Self::frame_arrays`].
-    pub fn prepare_frame(&mut self, frame: &Frame<'_>) -> Result<(), StrategyError> {
+    /// Makes `frame` the frame of [`Self::frame_arrays`]; a `first_pass` elsewhere leaves it without radiance.
+    pub fn prepare_frame(&mut self, frame: &Frame<'_>, first_pass: FirstPass) -> Result<(), StrategyError> {
         if !frame.lights.is_empty() {
             return Err(StrategyError::Unsupported(super::NO_LOCAL_LIGHTS.into()));
         }
-        prepare::prepare(&mut self.tables, &mut self.data, frame)
+        prepare::prepare(&mut self.tables, &mut self.data, frame, first_pass)
     }
 
     /// Tables of the scene.
@@ -80,28 +160,60 @@ impl BakedScene {
             combination: match &tables.visibility {
                 Visibility::Exponential(exponential) => CombinationArrays::Exponential(exponential),
                 Visibility::Product => CombinationArrays::Product,
-                Visibility::Shares { .. } => CombinationArrays::Shares,
+                &Visibility::Shares { points } => CombinationArrays::Shares { points },
                 Visibility::Traced { .. } => CombinationArrays::Traced,
             },
-            reflects: tables.reflections.is_some(),
-            sees_ground: tables.ground.is_some(),
+            reflections: tables.reflections.as_ref().map(|tables| ReflectionArrays {
+                tables,
+                bounces: tables.bounces,
+                logs: &tables.table,
+                exponential: &tables.exponential,
+                form: &tables.form,
+                cosine: &tables.cosine,
+                by_power: tables.order == Order::Power,
+                is_precomputed: tables.intersections == Intersections::Precomputed,
+                is_quadratic: tables.walk == Walk::Quadratic,
+                surface_channels: tables.surface_channels,
+                radiance_coefficients: tables.radiance_coefficients,
+                owners: &tables.owners,
+                neighbours: &tables.neighbours,
+            }),
+            ground_cosine: tables.ground.as_ref().map(|ground| ground.cosine.as_slice()),
         }
+    }
+
+    /// Where the first pass may run: scaled reflections and objects without spheres need its results on the processor.
+    pub fn first_pass(&self) -> FirstPass {
+        let is_needed_here = self.tables.cut.reflection_ratios || self.tables.ground.is_some();
+        if is_needed_here { FirstPass::Here } else { FirstPass::Elsewhere }
     }
 
     /// Light and space of the frame.
     pub fn frame_arrays(&self) -> FrameArrays<'_> {
-        let (space, light) = (&self.data.space, &self.data.light);
+        let FrameData { space, light, ground, .. } = &self.data;
+        let fields = ground.as_ref().map(|ground| &ground.fields);
         FrameArrays {
             light: &light.by_normal,
             light_changes: light.changes,
             rotation: space.rotation,
             center: space.center,
+            blockers_from_light: space.blockers_from_light,
+            turns: &self.data.turns,
+            is_grey: light.by_normal.is_grey(),
+            radiance: &self.data.radiance.vectors,
+            ground: fields.map_or([&[], &[]], |fields| [&fields.seen, &fields.taken]),
         }
     }
 
     /// The blockers of each cut, in light space.
     pub fn cuts(&self) -> impl Iterator<Item = &[Blocker]> {
         self.data.cuts.all()
+    }
+
+    /// The cut of each emitter's sample points; `None` if they all share the first. Stays the same from frame to frame.
+    pub fn cut_of_emitters(&self, emitters: &[u32]) -> Option<Vec<u32>> {
+        let cuts = &self.data.cuts;
+        cuts.is_by_cluster().then(|| emitters.iter().map(|&emitter| cuts.of_emitter(emitter)).collect())
     }
 
     /// The cut of each receiver; `None` if they all share the first. Stays the same from frame to frame.

@@ -72,7 +72,7 @@ mod shade;
 use bake::Tables;
 use halfshade_scene::{Frame, Progress, Scene, light::OctahedralGrid};
 use halfshade_strategy::{Baked, Effect, Effects, Footprint, Info, Params, Prepared, Strategy, StrategyError};
-use prepare::{frame::FrameData, ground::GroundView, light::FrameLight};
+use prepare::{FirstPass, frame::FrameData, ground::GroundView, light::FrameLight};
 use settings::{PRESETS, Settings};
 use shade::Shader;
 
@@ -143,7 +143,7 @@ impl Baked for BakedScene {
     }
 
     fn prepare(&mut self, frame: &Frame<'_>) -> Result<Box<dyn Prepared + '_>, StrategyError> {
-        self.prepare_frame(frame)?;
+        self.prepare_frame(frame, FirstPass::Here)?;
         Ok(Box::new(Shader { tables: &self.tables, data: &self.data }))
     }
 }

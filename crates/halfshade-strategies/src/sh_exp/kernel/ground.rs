@@ -7,13 +7,13 @@ use wide::f32x8;
 
 /// The surroundings of an object, as an affine function of the place.
 #[derive(Debug, Clone)]
-pub(crate) struct GroundField {
+pub struct GroundField {
     /// In light space, as the blockers are.
-    pub(crate) center: [f32; 3],
+    pub center: [f32; 3],
     /// Gradients of the places' three coordinates, which are ±1 at the places around the middle.
-    pub(crate) axes: [[f32; 3]; 3],
+    pub axes: [[f32; 3]; 3],
     /// G at the middle and its change along each axis, per channel.
-    pub(crate) coefficients: [[Vec<f32>; 3]; 4],
+    pub coefficients: [[Vec<f32>; 3]; 4],
 }
 
 impl GroundField {

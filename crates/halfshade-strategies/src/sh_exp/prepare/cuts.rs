@@ -180,6 +180,16 @@ impl Cuts {
         }
     }
 
+    /// Whether receivers see different spheres by where they are.
+    pub(crate) fn is_by_cluster(&self) -> bool {
+        !self.clusters.is_empty()
+    }
+
+    /// The cut of the receivers around a sphere.
+    pub(crate) fn of_emitter(&self, emitter: u32) -> u32 {
+        self.of_emitters[emitter as usize]
+    }
+
     /// Clusters whose cut has parents in it.
     pub(crate) fn is_coarse(&self) -> bool {
         !self.coarse.is_empty()
@@ -191,7 +201,7 @@ impl Cuts {
 
     /// The cut of each receiver; `None` if they all share the first.
     pub(crate) fn of(&self, receivers: Receivers<'_>, space: &LightSpace, whose: CutOf<'_>) -> Option<Vec<u32>> {
-        if self.clusters.is_empty() {
+        if !self.is_by_cluster() {
             return None;
         }
         let of_cluster = |i: usize| {
@@ -204,7 +214,7 @@ impl Cuts {
         };
         let of = |i: usize| match whose {
             CutOf::Cluster => of_cluster(i).unwrap_or(0),
-            CutOf::Emitter(numbers) => self.of_emitters[numbers[i] as usize],
+            CutOf::Emitter(numbers) => self.of_emitter(numbers[i]),
         };
         Some((0..receivers.len()).map(of).collect())
     }

@@ -8,7 +8,7 @@
 
 use crate::sh_exp::{bake::reflections::ReflectionTables, kernel::gather::RadianceVectors};
 use glam::{DMat3, DQuat, Vec3};
-use halfshade_scene::{Frame, RadianceBuffer, ReceiverBuffer};
+use halfshade_scene::{Frame, Gloss, RadianceBuffer, ReceiverBuffer, ReceiverPoint, SurfacePoint};
 use halfshade_sh::rotation::ShRotation;
 use rayon::prelude::*;
 
@@ -36,14 +36,8 @@ pub(crate) fn radiate(
     let (bands, surface_channels, used) = (*bands, *surface_channels, *used);
     let count = bands * bands;
     into.stride = channels * count;
-    let light_from_world = frame.world_from_environment.as_dquat().normalize().conjugate();
-    let rotation = |object: usize, turn: DQuat| {
-        let world_from_object = frame.world_from_object[object].rotation.as_dquat().normalize();
-        let rows = DMat3::from_quat(light_from_world * world_from_object * turn).transpose();
-        ShRotation::new(bands, &rows.to_cols_array_2d())
-    };
-    let of_objects: Vec<ShRotation> =
-        (0..frame.world_from_object.len()).map(|object| rotation(object, DQuat::IDENTITY)).collect();
+    let into_light = IntoLight::new(bands, frame);
+    let of_objects = into_light.of_objects();
     let mut first = 0;
     let starts: Vec<usize> = surfaces
         .iter()
@@ -67,12 +61,37 @@ pub(crate) fn radiate(
         }
         *shines = sums.iter().any(|&value| value != 0.0);
         let (object, turn) = (owners[number] as usize, turns[number]);
-        let own = (turn != DQuat::IDENTITY).then(|| rotation(object, turn));
+        let own = (turn != DQuat::IDENTITY).then(|| into_light.rotation(object, turn));
         let rotation = own.as_ref().unwrap_or(&of_objects[object]);
         for (vector, sum) in vectors.chunks_exact_mut(count).zip(sums.chunks_exact(count)) {
             vector.iter_mut().zip(rotation.apply(sum)).take(used).for_each(|(value, turned)| *value = turned as f32);
         }
     });
+}
+
+/// Rotations of SH vectors from objects into light space.
+pub(crate) struct IntoLight<'a> {
+    bands: usize,
+    frame: &'a Frame<'a>,
+    light_from_world: DQuat,
+}
+
+impl<'a> IntoLight<'a> {
+    pub(crate) fn new(bands: usize, frame: &'a Frame<'a>) -> Self {
+        Self { bands, frame, light_from_world: frame.world_from_environment.as_dquat().normalize().conjugate() }
+    }
+
+    /// For what has turned by `turn` within its object.
+    pub(crate) fn rotation(&self, object: usize, turn: DQuat) -> ShRotation {
+        let world_from_object = self.frame.world_from_object[object].rotation.as_dquat().normalize();
+        let rows = DMat3::from_quat(self.light_from_world * world_from_object * turn).transpose();
+        ShRotation::new(self.bands, &rows.to_cols_array_2d())
+    }
+
+    /// For what stays as it is within its object, object by object.
+    pub(crate) fn of_objects(&self) -> Vec<ShRotation> {
+        (0..self.frame.world_from_object.len()).map(|object| self.rotation(object, DQuat::IDENTITY)).collect()
+    }
 }
 
 /// The sample points of all spheres in world space, as white receivers, and the sphere of each.
@@ -81,15 +100,26 @@ pub(crate) fn place(tables: &ReflectionTables, frame: &Frame<'_>, points: &mut S
     points.clear();
     emitter_of_point.clear();
     for (emitter, (surface, &object)) in tables.surfaces.iter().zip(&tables.owners).enumerate() {
-        let number = object as usize;
-        let (pose, mesh) = (&frame.world_from_object[number], &frame.scene.objects[number].mesh);
-        let (positions, normals) = (frame.positions(number), frame.normals(number));
+        let owner = object as usize;
+        let (pose, mesh) = (&frame.world_from_object[owner], &frame.scene.objects[owner].mesh);
+        let (positions, normals) = (frame.positions(owner), frame.normals(owner));
         emitter_of_point.extend(surface.samples.iter().map(|_| emitter as u32));
-        for &(triangle, weights) in &surface.samples {
-            let triangle = triangle as usize;
+        for &(number, weights) in &surface.samples {
+            let triangle = number as usize;
             let blend = |list: &[Vec3]| mesh.interpolated(list, triangle, weights.as_dvec3()).as_vec3();
             let normal = blend(normals).normalize_or(normals[mesh.triangles[triangle][0] as usize]);
-            points.push(pose.transform_point(blend(positions)), pose.transform_direction(normal), Vec3::ONE, object);
+            points.add(&ReceiverPoint {
+                position: pose.transform_point(blend(positions)),
+                normal: pose.transform_direction(normal),
+                albedo: Vec3::ONE,
+                gloss: Gloss::NEUTRAL,
+                object,
+                surface: SurfacePoint::Triangle {
+                    triangle: number,
+                    barycentric: weights.to_array(),
+                    from_behind: false,
+                },
+            });
         }
     }
 }

@@ -8,7 +8,6 @@ use crate::sh_exp::{
     prepare::cuts::{CutOf, Cuts},
     shade::{Shader, batches::radiating},
 };
-use glam::DQuat;
 use halfshade_scene::{Frame, RadianceBuffer, RadianceMut, Receivers};
 use halfshade_sh::dispatch_bands;
 use wide::f32x8;
@@ -16,14 +15,8 @@ use wide::f32x8;
 /// Sample points per unit of parallel work.
 const SAMPLE_POINT_CHUNK: usize = 256;
 
-/// Lets all spheres, turned by `turns` within their objects, radiate, and objects without spheres if they are seen.
-pub(crate) fn run(
-    tables: &Tables,
-    reflections: &ReflectionTables,
-    data: &mut FrameData,
-    frame: &Frame<'_>,
-    turns: &[DQuat],
-) {
+/// Lets all spheres radiate, and objects without spheres if they are seen.
+pub(crate) fn run(tables: &Tables, reflections: &ReflectionTables, data: &mut FrameData, frame: &Frame<'_>) {
     let channels = if data.light.by_normal.is_grey() { reflections.surface_channels } else { 3 };
     emitters::place(reflections, frame, &mut data.points);
     data.radiance = Default::default();
@@ -40,7 +33,7 @@ pub(crate) fn run(
         if let (Some(ground), Some(tables)) = (&mut data.ground, &tables.ground) {
             ground.shine(tables, &from_ground);
         }
-        emitters::radiate(reflections, frame, channels, &light, turns, &mut data.radiance);
+        emitters::radiate(reflections, frame, channels, &light, &data.turns, &mut data.radiance);
     }
     if tables.cut.reflection_ratios && data.cuts.is_coarse() && !data.radiance.is_dark() {
         let mut cuts = std::mem::take(&mut data.cuts);

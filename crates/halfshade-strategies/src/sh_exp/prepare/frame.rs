@@ -4,6 +4,7 @@ use super::{
     cuts::Cuts, emitters::SamplePoints, ground::GroundView, light::FrameLight, placed::LightSpace, state::FrameState,
 };
 use crate::sh_exp::kernel::gather::RadianceVectors;
+use glam::DQuat;
 
 /// Spheres and light of a frame.
 #[derive(Debug)]
@@ -11,6 +12,8 @@ pub(crate) struct FrameData {
     pub(crate) light: FrameLight,
     pub(crate) space: LightSpace,
     pub(crate) cuts: Cuts,
+    /// How each sphere of every level has turned within its object since rest.
+    pub(crate) turns: Vec<DQuat>,
     /// Radiance of every sphere; dark if nothing reflects.
     pub(crate) radiance: RadianceVectors,
     /// Points where light is gathered for the spheres.
@@ -28,6 +31,7 @@ impl FrameData {
             light,
             space: LightSpace::default(),
             cuts: Cuts::default(),
+            turns: Vec::new(),
             radiance: RadianceVectors::default(),
             points: SamplePoints::default(),
             ground: None,

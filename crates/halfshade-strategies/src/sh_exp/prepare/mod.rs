@@ -18,8 +18,22 @@ use halfshade_strategy::StrategyError;
 use placed::PlacedSpheres;
 use state::FrameState;
 
+/// Where the first pass of reflections runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FirstPass {
+    /// As a part of preparing the frame.
+    Here,
+    /// On another device, from the frame's arrays.
+    Elsewhere,
+}
+
 /// Makes `data` that of `frame`.
-pub(crate) fn prepare(tables: &mut Tables, data: &mut FrameData, frame: &Frame<'_>) -> Result<(), StrategyError> {
+pub(crate) fn prepare(
+    tables: &mut Tables,
+    data: &mut FrameData,
+    frame: &Frame<'_>,
+    first_pass: FirstPass,
+) -> Result<(), StrategyError> {
     if data.state.as_ref().is_some_and(|state| state.is(frame)) {
         return Ok(());
     }
@@ -36,8 +50,11 @@ pub(crate) fn prepare(tables: &mut Tables, data: &mut FrameData, frame: &Frame<'
     if let Some(ground) = &tables.ground {
         data.ground.get_or_insert_default().look(ground, frame, data.space.center);
     }
-    if let Some(reflections) = &tables.reflections {
-        first_pass::run(tables, reflections, data, frame, &spheres.turns);
+    data.turns = spheres.turns;
+    if first_pass == FirstPass::Here
+        && let Some(reflections) = &tables.reflections
+    {
+        first_pass::run(tables, reflections, data, frame);
     }
     data.state = Some(FrameState::of(frame));
     Ok(())

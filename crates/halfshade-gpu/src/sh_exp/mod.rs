@@ -1,0 +1,147 @@
+//! `sh-exp` on the device: shadows, and both passes of reflections.
+
+mod constants;
+pub(crate) mod first_pass;
+pub(crate) mod frame;
+pub(crate) mod tables;
+
+use crate::{
+    GpuError,
+    kernels::SH_EXP,
+    runner::{Bench, Runner, Uploaded},
+};
+use constants::{Constants, constants, missing};
+use first_pass::{DeviceFirstPass, Kernels};
+use halfshade_scene::{Frame, Progress, Receivers, Scene};
+use halfshade_strategies::{
+    ShExp,
+    sh_exp::{BakedScene, arrays::FirstPass},
+};
+use halfshade_strategy::{Baked, Footprint, Info, Params, Prepared, Strategy, StrategyError};
+use tables::{FrameUniforms, Tables};
+
+/// [`ShExp`], whose receivers are shaded on the device.
+#[derive(Debug)]
+pub struct ShExpOnGpu {
+    bench: Bench,
+}
+
+struct BakedOnGpu {
+    bench: Bench,
+    baked: BakedScene,
+    runner: Runner,
+    /// Values of the kernel's `override`s: of receivers, and of sample points in the dark.
+    constants: [Constants; 2],
+    /// Where spheres radiate without the processor, from the first frame on.
+    first_pass: Option<DeviceFirstPass>,
+    uniforms: FrameUniforms,
+    /// Changes of the light up to which tables are on the device.
+    light_changes: Option<u32>,
+}
+
+impl ShExpOnGpu {
+    pub(crate) fn new(bench: Bench) -> Self {
+        Self { bench }
+    }
+}
+
+impl Strategy for ShExpOnGpu {
+    fn info(&self) -> Info {
+        ShExp.info()
+    }
+
+    fn bake(&self, scene: &Scene, params: &Params, progress: &dyn Progress) -> Result<Box<dyn Baked>, StrategyError> {
+        let baked = ShExp::bake_scene(scene, params, progress)?;
+        let arrays = baked.scene_arrays();
+        if let Some(missing) = missing(&arrays) {
+            return Err(StrategyError::Unsupported(format!("no kernels for graphics devices yet: {missing}")));
+        }
+        let constants = constants(&arrays);
+        let (bands, uniform_bytes) = (Some(arrays.bands), size_of::<FrameUniforms>());
+        Ok(Box::new(BakedOnGpu {
+            runner: Runner::new(&self.bench, &SH_EXP, bands, &constants[0], uniform_bytes)?,
+            bench: self.bench.clone(),
+            baked,
+            constants,
+            first_pass: None,
+            uniforms: FrameUniforms::default(),
+            light_changes: None,
+        }))
+    }
+}
+
+impl Baked for BakedOnGpu {
+    fn footprint(&self) -> Footprint {
+        let mut footprint = self.baked.footprint();
+        let [receivers, others] = self.runner.bytes();
+        let reflections = self.first_pass.as_ref().map_or(0, DeviceFirstPass::bytes);
+        footprint.parts.extend([
+            ("receivers on the device", receivers),
+            ("tables and frame on the device", others),
+            ("reflections on the device", reflections),
+        ]);
+        footprint
+    }
+
+    fn place_receivers(&mut self, frame: &Frame<'_>, receivers: Receivers<'_>) -> Result<(), StrategyError> {
+        self.baked.prepare_frame(frame, self.baked.first_pass())?;
+        let cuts = self.baked.cut_of(receivers);
+        Ok(self.runner.place_receivers(frame, receivers, &|i| cuts.as_ref().map_or(0, |cuts| cuts[i]))?)
+    }
+
+    fn prepare(&mut self, frame: &Frame<'_>) -> Result<Box<dyn Prepared + '_>, StrategyError> {
+        self.baked.prepare_frame(frame, self.baked.first_pass())?;
+        self.prepare_on_device(frame)?;
+        Ok(Box::new(Uploaded(&self.runner)))
+    }
+}
+
+impl BakedOnGpu {
+    fn prepare_on_device(&mut self, frame: &Frame<'_>) -> Result<(), GpuError> {
+        let Self { bench, baked, runner, constants, first_pass, uniforms, light_changes } = self;
+        let (scene, of_frame) = (baked.scene_arrays(), baked.frame_arrays());
+        frame::check_rounds(&bench.gpu, &scene, baked.cuts().map(<[_]>::len).max().unwrap_or(0))?;
+        let space = frame::space(baked, &of_frame);
+        let changes = Some(of_frame.light_changes);
+        if *light_changes != changes {
+            let tables = Tables::new(&scene, &of_frame);
+            *uniforms = tables.uniforms;
+            runner.write(3, &tables.rows)?;
+            *light_changes = changes;
+        }
+        runner.write(1, &frame::blockers(baked, &space))?;
+        let (numbers, masks) = frame::numbers(baked, &scene);
+        runner.write(2, &numbers)?;
+        uniforms.masks = masks;
+        uniforms.share_space = crate::receivers::affine_rows(of_frame.blockers_from_light, glam::DVec3::ZERO);
+        let channels =
+            scene.reflections.map_or(0, |reflections| if of_frame.is_grey { reflections.surface_channels } else { 3 });
+        uniforms.radiance_channels = channels as u32;
+        runner.place_objects(frame, &space)?;
+        if let Some(reflections) = scene.reflections.as_ref().filter(|_| baked.first_pass() == FirstPass::Elsewhere) {
+            let pass = match first_pass {
+                Some(known) => known,
+                None => {
+                    let [lit, dark] = &*constants;
+                    let kernels = Kernels { bands: scene.bands, dark, lit };
+                    first_pass.insert(DeviceFirstPass::new(bench, &kernels, baked, reflections, frame)?)
+                }
+            };
+            pass.prepare(reflections, &of_frame, frame, &space, channels)?;
+            runner.reserve(4, pass.sphere_count() * channels * frame::rows_of(scene.bands) * 16)?;
+        } else {
+            let radiating = frame::radiating(&scene, &of_frame, &space, uniforms);
+            runner.write(4, &radiating)?;
+        }
+        runner.write_uniforms(uniforms);
+        let is_new = runner.upload()?;
+        let passes = match (first_pass, runner.buffer(4)) {
+            (Some(pass), Some(radiance)) => pass.passes(runner, radiance, is_new),
+            _ => None,
+        };
+        if let Some(passes) = passes {
+            runner.run_before(passes);
+        }
+        Ok(())
+    }
+}
