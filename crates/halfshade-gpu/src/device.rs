@@ -223,8 +223,17 @@ impl Gpu {
 
     /// Waits until all that was submitted is done.
     pub(crate) fn wait(&self) -> Result<(), GpuError> {
+        self.wait_until(None)
+    }
+
+    /// Waits until a submission is done, and all before it.
+    pub(crate) fn wait_for(&self, last: wgpu::SubmissionIndex) -> Result<(), GpuError> {
+        self.wait_until(Some(last))
+    }
+
+    fn wait_until(&self, submission_index: Option<wgpu::SubmissionIndex>) -> Result<(), GpuError> {
         let timeout = Some(Duration::from_secs(PATIENCE_SECS));
-        let waited = self.device.poll(wgpu::PollType::Wait { submission_index: None, timeout });
+        let waited = self.device.poll(wgpu::PollType::Wait { submission_index, timeout });
         self.check()?;
         match waited {
             Ok(_) => Ok(()),

@@ -46,6 +46,22 @@ impl Pipelines {
     }
 }
 
+/// A shader without counters in its loops, which the device's compiler can't look through. Debug builds keep every check.
+fn trusted_module(gpu: &Gpu, descriptor: wgpu::ShaderModuleDescriptor<'_>) -> wgpu::ShaderModule {
+    if cfg!(debug_assertions) {
+        return gpu.device.create_shader_module(descriptor);
+    }
+    let checks = wgpu::ShaderRuntimeChecks { force_loop_bounding: false, ..wgpu::ShaderRuntimeChecks::checked() };
+    #[expect(
+        unsafe_code,
+        reason = "every loop of `shaders/` counts up to a bound or goes down a tree; access stays checked"
+    )]
+    // SAFETY: the one promise is that no loop is endless; all that naga validates it still validates.
+    unsafe {
+        gpu.device.create_shader_module_trusted(descriptor, checks)
+    }
+}
+
 /// One dispatch.
 #[derive(Debug, Clone)]
 pub(crate) struct Pass {
@@ -81,7 +97,7 @@ impl Pipeline {
     ) -> Result<Self, GpuError> {
         let descriptor =
             wgpu::ShaderModuleDescriptor { label: Some(name), source: wgpu::ShaderSource::Wgsl(code.into()) };
-        let module = gpu.device.create_shader_module(descriptor);
+        let module = trusted_module(gpu, descriptor);
         let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(name),
             layout: None,
@@ -117,6 +133,32 @@ impl Pipeline {
     }
 }
 
+/// Sends passes on their way.
+pub(crate) fn start(gpu: &Gpu, passes: &[Pass]) -> wgpu::SubmissionIndex {
+    submit(gpu, passes, None)
+}
+
+fn submit(gpu: &Gpu, passes: &[Pass], queries: Option<&Queries>) -> wgpu::SubmissionIndex {
+    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    for (pass, number) in passes.iter().zip(0u32..) {
+        // One pass per kernel: within a pass, times may lie on the wrong side of its barriers.
+        let mut compute = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some(pass.pipeline.name),
+            timestamp_writes: queries.map(|queries| wgpu::ComputePassTimestampWrites {
+                query_set: &queries.set,
+                beginning_of_pass_write_index: Some(2 * number),
+                end_of_pass_write_index: Some(2 * number + 1),
+            }),
+        });
+        compute.set_pipeline(&pass.pipeline.pipeline);
+        for (bindings, group) in pass.bind_groups.iter().zip(0..) {
+            compute.set_bind_group(group, bindings, &[]);
+        }
+        compute.dispatch_workgroups((pass.count as u32).div_ceil(WORKGROUP), 1, 1);
+    }
+    gpu.queue.submit([encoder.finish()])
+}
+
 impl PassClock {
     pub(crate) fn new(gpu: &Gpu) -> Result<Self, GpuError> {
         let Some(tick_secs) = gpu.tick_secs else { return Ok(Self { queries: None, passes: Mutex::default() }) };
@@ -134,28 +176,11 @@ impl PassClock {
 
     /// Runs the passes one after another and waits for them.
     pub(crate) fn run(&self, gpu: &Gpu, passes: &[Pass]) -> Result<(), GpuError> {
-        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         // The time of some alone would say nothing about all.
         let queries = self.queries.as_ref().filter(|_| passes.len() <= MOST_PASSES as usize);
-        for (pass, number) in passes.iter().zip(0u32..) {
-            // One pass per kernel: within a pass, times may lie on the wrong side of its barriers.
-            let mut compute = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                label: Some(pass.pipeline.name),
-                timestamp_writes: queries.map(|queries| wgpu::ComputePassTimestampWrites {
-                    query_set: &queries.set,
-                    beginning_of_pass_write_index: Some(2 * number),
-                    end_of_pass_write_index: Some(2 * number + 1),
-                }),
-            });
-            compute.set_pipeline(&pass.pipeline.pipeline);
-            for (bindings, group) in pass.bind_groups.iter().zip(0..) {
-                compute.set_bind_group(group, bindings, &[]);
-            }
-            compute.dispatch_workgroups((pass.count as u32).div_ceil(WORKGROUP), 1, 1);
-        }
         *self.passes.lock().unwrap_or_else(PoisonError::into_inner) = queries.map_or(0, |_| passes.len() as u32);
-        gpu.queue.submit([encoder.finish()]);
-        gpu.wait()
+        let last = submit(gpu, passes, queries);
+        gpu.wait_for(last)
     }
 
     /// Seconds of the last submission's passes by the device's clock, one after another; `None` without a clock.

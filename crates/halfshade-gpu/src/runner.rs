@@ -4,11 +4,11 @@ use crate::{
     Gpu, GpuError,
     device::DeviceBuffer,
     kernels::Kernel,
-    pipeline::{Pass, PassClock, Pipeline, Pipelines},
+    pipeline::{self, Pass, PassClock, Pipeline, Pipelines},
     receivers::{KernelSpace, ResidentReceivers},
 };
 use halfshade_scene::{Frame, RadianceMut, Receivers};
-use halfshade_strategy::{Batching, Prepared, StrategyError};
+use halfshade_strategy::{Batching, Prepared, Shading, StrategyError};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// A device, and the kernels that were made ready for it.
@@ -45,6 +45,18 @@ struct Bindings {
     /// Receivers of each part, and how many they are.
     receivers: Vec<(wgpu::BindGroup, usize)>,
     frame: wgpu::BindGroup,
+}
+
+/// A frame on its way through the device.
+struct OnItsWay {
+    gpu: Arc<Gpu>,
+    last: wgpu::SubmissionIndex,
+}
+
+impl Shading for OnItsWay {
+    fn finish(self: Box<Self>) -> Result<(), StrategyError> {
+        Ok(self.gpu.wait_for(self.last)?)
+    }
 }
 
 /// The frame that was uploaded last, to be shaded.
@@ -168,12 +180,13 @@ impl Runner {
         pipeline.bind(&self.gpu, 1, &buffers.collect::<Vec<_>>())
     }
 
-    fn run(&self, count: usize) -> Result<(), GpuError> {
+    /// All dispatches of the frame that was uploaded last.
+    fn passes(&self, count: usize) -> Result<Vec<Pass>, GpuError> {
         if count != self.receivers.len() {
             let placed = self.receivers.len();
             return Err(GpuError::Refused(format!("{count} receivers are to be shaded, but {placed} were placed")));
         }
-        let Some(Bindings { receivers, frame }) = &self.bindings else { return Ok(()) };
+        let Some(Bindings { receivers, frame }) = &self.bindings else { return Ok(Vec::new()) };
         let mut passes = self.before.clone();
         for (places, count) in receivers {
             let mut add = |part: Option<&'_ wgpu::BindGroup>| {
@@ -185,7 +198,11 @@ impl Runner {
                 parts => parts.iter().for_each(|(_, part)| add(Some(part))),
             }
         }
-        self.clock.run(&self.gpu, &passes)
+        Ok(passes)
+    }
+
+    fn run(&self, count: usize) -> Result<(), GpuError> {
+        self.clock.run(&self.gpu, &self.passes(count)?)
     }
 
     /// Bytes of receivers, and of everything else.
@@ -203,6 +220,15 @@ impl Prepared for Uploaded<'_> {
     fn shade(&self, receivers: Receivers<'_>, _out: RadianceMut<'_>) {
         let outcome = self.0.run(receivers.len());
         *self.0.fault.lock().unwrap_or_else(PoisonError::into_inner) = outcome.err();
+    }
+
+    fn start(&self, receivers: Receivers<'_>) -> Option<Result<Box<dyn Shading>, StrategyError>> {
+        let gpu = self.0.gpu.clone();
+        let start = |passes: Vec<Pass>| -> Box<dyn Shading> {
+            let last = pipeline::start(&gpu, &passes);
+            Box::new(OnItsWay { gpu, last })
+        };
+        Some(self.0.passes(receivers.len()).map(start).map_err(StrategyError::from))
     }
 
     fn read_back(&self, mut out: RadianceMut<'_>) -> Result<(), StrategyError> {

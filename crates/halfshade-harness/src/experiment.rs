@@ -122,8 +122,14 @@ pub struct SceneEntry {
     /// Frames, if other than the experiment's.
     #[serde(default, deserialize_with = "fields::some_distinct")]
     pub frames: Option<Vec<usize>>,
+    /// Points that are scored, if other than the experiment's.
+    #[serde(default, deserialize_with = "fields::some_distinct")]
+    pub receivers: Option<Vec<ReceiverKind>>,
     /// Diffuse bounces of light, if other than the scene's.
     pub bounces: Option<Spanned<usize>>,
+    /// Width and height of the camera's picture, if other than the scene's; then the scene's name says so.
+    #[serde(default, deserialize_with = "fields::picture_size")]
+    pub resolution: Option<[u32; 2]>,
     /// Another view for pictures.
     pub camera: Option<Spanned<View>>,
     /// Leaf spheres in all, if other than the scene's; then the scene's name says so.
@@ -185,6 +191,10 @@ pub struct TimingSettings {
     /// Rounds that count.
     #[serde(deserialize_with = "fields::round_count")]
     pub repeats: NonZeroU32,
+    /// Frames that a graphics device works on at once in a measurement of their own: how many a second, and how long each takes
+    /// from its preparation to its end. None if left out.
+    #[serde(default)]
+    pub frames_in_flight: Option<NonZeroU32>,
     /// Threads; all if left out. `--threads` wins.
     #[serde(default, deserialize_with = "fields::thread_count")]
     pub threads: Option<NonZeroUsize>,

@@ -210,6 +210,12 @@ pub struct TimeFigures {
     /// Per frame: shading by the device's own clock; absent where it has none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub device_secs: Option<Spread>,
+    /// Per frame of several in flight: their time over their number; absent where none were.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub streamed_secs: Option<Spread>,
+    /// Per frame of several in flight: from its preparation to its end.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub latency_secs: Option<Spread>,
     /// 1 / median of prepare + shade.
     pub frames_per_sec: Option<f64>,
     /// Threads used.
@@ -231,6 +237,12 @@ pub struct Sample {
     /// Seconds to shade by the device's own clock.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub device_secs: Option<f64>,
+    /// Seconds of several frames in flight over their number.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub streamed_secs: Option<f64>,
+    /// Mean seconds from the preparation of one of them to its end.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub latency_secs: Option<f64>,
 }
 
 /// Memory of a run.
@@ -288,12 +300,20 @@ impl Run {
 impl Sample {
     /// A frame on the processor.
     pub fn new(prepare_secs: f64, shade_secs: f64) -> Self {
-        Self { prepare_secs, shade_secs, read_back_secs: None, device_secs: None }
+        Self {
+            prepare_secs,
+            shade_secs,
+            read_back_secs: None,
+            device_secs: None,
+            streamed_secs: None,
+            latency_secs: None,
+        }
     }
 
     /// Sum of all that was measured: finite if all of it is.
     pub fn sum_secs(&self) -> f64 {
-        self.prepare_secs + self.shade_secs + self.read_back_secs.unwrap_or(0.0) + self.device_secs.unwrap_or(0.0)
+        let others = [self.read_back_secs, self.device_secs, self.streamed_secs, self.latency_secs];
+        self.prepare_secs + self.shade_secs + others.into_iter().flatten().sum::<f64>()
     }
 }
 
@@ -311,6 +331,8 @@ impl TimeFigures {
             shade_secs: spread(&|sample| sample.shade_secs),
             read_back_secs: of_device(&|sample| sample.read_back_secs),
             device_secs: of_device(&|sample| sample.device_secs),
+            streamed_secs: of_device(&|sample| sample.streamed_secs),
+            latency_secs: of_device(&|sample| sample.latency_secs),
             frames_per_sec: whole.filter(|whole| whole.median > 0.0).map(|whole| whole.median.recip()),
             threads,
             samples,

@@ -13,4 +13,4 @@ pub use effects::{Effect, Effects};
 pub use info::Info;
 pub use parameter::{Parameter, ParameterKind, Preset, Value, Word};
 pub use params::{Params, SpecError};
-pub use strategy::{Baked, Batching, Detail, Footprint, Prepared, Strategy, StrategyError};
+pub use strategy::{Baked, Batching, Detail, Footprint, Prepared, Shading, Strategy, StrategyError};

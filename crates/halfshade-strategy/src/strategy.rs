@@ -64,6 +64,12 @@ pub trait Prepared: Send + Sync {
     /// Radiance on a device with memory of its own stays there until [`Self::read_back`].
     fn shade(&self, receivers: Receivers<'_>, out: RadianceMut<'_>);
 
+    /// Begins to shade all receivers on a device that works by itself, so that the next frame can be prepared meanwhile; `None`
+    /// where [`Self::shade`] does the work before it returns.
+    fn start(&self, _receivers: Receivers<'_>) -> Option<Result<Box<dyn Shading>, StrategyError>> {
+        None
+    }
+
     /// Copies what was shaded last from a device with memory of its own, and tells what went wrong there.
     fn read_back(&self, _out: RadianceMut<'_>) -> Result<(), StrategyError> {
         Ok(())
@@ -73,6 +79,12 @@ pub trait Prepared: Send + Sync {
     fn device_secs(&self) -> Option<f64> {
         None
     }
+}
+
+/// A frame that a device is shading.
+pub trait Shading {
+    /// Waits for its end.
+    fn finish(self: Box<Self>) -> Result<(), StrategyError>;
 }
 
 /// How the receivers of a frame may be split into batches.

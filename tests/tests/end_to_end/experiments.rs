@@ -28,5 +28,5 @@ fn check(path: &Path) {
     let strategies = halfshade::strategies(&halfshade_scene::Cache::disabled());
     let plan = Plan::new(&experiment, &strategies, &RunOptions::default()).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(plan.scenes.len(), experiment.scenes.len(), "{}", path.display());
-    assert!(plan.scenes.iter().all(|(_, frames)| !frames.is_empty()) && !plan.variants.is_empty());
+    assert!(plan.scenes.iter().all(|planned| !planned.frames.is_empty()) && !plan.variants.is_empty());
 }

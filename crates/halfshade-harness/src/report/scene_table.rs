@@ -28,6 +28,8 @@ struct SceneRuns<'a> {
     timed: bool,
     /// Whether any ran on a device with memory and a clock of its own.
     has_devices: bool,
+    /// Whether any was timed with several frames in flight.
+    has_streams: bool,
     published: &'a [Published],
 }
 
@@ -48,6 +50,7 @@ pub(super) fn scene_table(results: &Results, scene: &str, frame: usize, receiver
             .filter(|(_, of)| errors().any(|error| of(&error.similarity).is_some()))
             .collect(),
         has_devices: runs.iter().any(|run| !run.device.is_cpu()),
+        has_streams: runs.iter().any(|run| run.time.as_ref().is_some_and(|time| time.streamed_secs.is_some())),
         timed: runs.iter().any(|run| run.frame_secs().is_some()),
         published: facts.map_or(&[][..], |facts| facts.published.as_slice()),
         runs,
@@ -89,6 +92,10 @@ impl SceneRuns<'_> {
                 columns.push(Column::plain("read back ms"));
             }
             columns.push(Column::ranked("frames/s", Better::Higher));
+            if self.has_streams {
+                columns.push(Column::plain("frames/s in flight"));
+                columns.push(Column::plain("latency ms"));
+            }
             let head = |p: &Published| Column::plain(format!("{}, {}: frames/s", p.method, p.hardware));
             columns.extend(self.published.iter().map(head));
         }
@@ -129,6 +136,11 @@ impl SceneRuns<'_> {
             }
             let rate = time.and_then(|time| time.frames_per_sec);
             row.push(rate.map_or(Cell::empty(), |value| Cell::number(significant(value, 3), value)));
+            if self.has_streams {
+                let rate = time.and_then(|time| time.streamed_secs).filter(|spread| spread.median > 0.0);
+                row.push(rate.map_or(Cell::empty(), |spread| Cell::text(significant(spread.median.recip(), 3))));
+                row.push(millis(time.and_then(|time| time.latency_secs)));
+            }
             row.extend(self.published.iter().map(|p| Cell::text(significant(p.frames_per_sec, 3))));
         }
         row.push(run.memory.as_ref().map_or(Cell::empty(), |memory| Cell::text(bytes(memory.bytes))));

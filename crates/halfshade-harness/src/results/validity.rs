@@ -29,6 +29,8 @@ impl Run {
                 ("shade_secs", time.shade_secs),
                 ("read_back_secs", time.read_back_secs),
                 ("device_secs", time.device_secs),
+                ("streamed_secs", time.streamed_secs),
+                ("latency_secs", time.latency_secs),
             ];
             let spreads = spreads.map(|(name, spread)| (name, spread.map_or(0.0, |it| it.median + it.mad)));
             let of_frame = [("bake_secs", time.bake_secs), ("frames_per_sec", time.frames_per_sec.unwrap_or(0.0))];

@@ -55,7 +55,7 @@ impl<'a> Group<'a> {
         pictured: bool,
     ) -> Result<Self, HarnessError> {
         let frame = scene.frame(index);
-        let camera = setup.plan.camera(scene);
+        let camera = scene.camera;
         let pictured = pictured && setup.is_kept && !setup.plan.pictured.is_empty();
         let tracer = Tracer::new(&frame);
         let (receivers, projection) = match kind {

@@ -16,6 +16,7 @@ mod time;
 mod tools;
 
 pub use plan::Plan;
+pub use scenes::PlannedScene;
 pub use tools::{RunOptions, Tools};
 
 use crate::{
@@ -53,8 +54,8 @@ pub fn run(experiment: &Experiment, tools: &Tools<'_>, options: &RunOptions) -> 
     };
     let setup = Setup { tools, plan: &plan, threads, truth_cache: record.truth_cache(), is_kept: record.is_kept() };
     threads::with_threads(Some(threads), || {
-        for (entry, (scene, frames)) in experiment.scenes.iter().zip(&plan.scenes) {
-            let scene = with_spheres(&setup, scene)?;
+        for (entry, planned) in experiment.scenes.iter().zip(&plan.scenes) {
+            let scene = with_spheres(&setup, &planned.scene)?;
             results.scenes.push(SceneFacts {
                 name: scene.name.clone(),
                 vertices: scene.vertex_count(),
@@ -62,8 +63,8 @@ pub fn run(experiment: &Experiment, tools: &Tools<'_>, options: &RunOptions) -> 
                 spheres: scene.built_sphere_count(),
                 published: entry.published.clone(),
             });
-            for (place, &frame) in frames.iter().enumerate() {
-                for (kind_place, &kind) in plan.receivers.iter().enumerate() {
+            for (place, &frame) in planned.frames.iter().enumerate() {
+                for (kind_place, &kind) in planned.receivers.iter().enumerate() {
                     let pictured = place == 0 && kind_place == 0;
                     let group = Group::new(&setup, &scene, frame, kind, pictured)?;
                     measure(&setup, &group, &mut record, &mut results)?;

@@ -2,14 +2,14 @@
 
 use super::{
     choice::VariantChoice,
-    scenes::{Loaded, scenes},
+    scenes::{Loaded, PlannedScene, scenes},
     tools::RunOptions,
 };
 use crate::{
-    Experiment, HarnessError, ReceiverKind, ReferenceKind, Variant, Weighting, experiment::TimingSettings, file_names,
+    Experiment, HarnessError, ReferenceKind, Variant, Weighting, experiment::TimingSettings, file_names,
     reference::Accuracy, variant,
 };
-use halfshade_scene::{Camera, InputFile, Scene};
+use halfshade_scene::InputFile;
 use halfshade_strategy::Strategy;
 use std::{
     num::{NonZeroU32, NonZeroUsize},
@@ -31,10 +31,8 @@ pub(super) const TRUTH_LABEL: &str = "truth";
 /// All that is to be done.
 #[derive(Debug)]
 pub struct Plan {
-    /// The scenes, without sphere sets, and the frames of each.
-    pub scenes: Vec<(Scene, Vec<usize>)>,
-    /// Kinds of receivers.
-    pub receivers: Vec<ReceiverKind>,
+    /// The scenes.
+    pub scenes: Vec<PlannedScene>,
     /// References of the runs; the mesh is the first.
     pub references: Vec<ReferenceKind>,
     /// Every strategy with its parameters.
@@ -55,8 +53,6 @@ pub struct Plan {
     pub pictured: Vec<String>,
     /// Places in `variants` of two whose difference is drawn.
     pub difference: Option<[usize; 2]>,
-    /// Size of pictures, if other than the camera's.
-    pub resolution: Option<[u32; 2]>,
     /// The files that the scenes were read from, relative to the experiment.
     pub inputs: Vec<InputFile>,
 }
@@ -84,11 +80,9 @@ impl Plan {
         let mut add = |base: String, endings: &[&str]| {
             files.extend(endings.iter().map(|ending| PathBuf::from(format!("{base}{ending}"))));
         };
-        for (scene, frames) in &self.scenes {
+        for PlannedScene { scene, frames, receivers } in &self.scenes {
             if self.timing.is_some() {
-                for (frame, kind) in
-                    frames.iter().flat_map(|frame| self.receivers.iter().map(move |kind| (*frame, kind)))
-                {
+                for (frame, kind) in frames.iter().flat_map(|frame| receivers.iter().map(move |kind| (*frame, kind))) {
                     add(file_names::plot(&scene.name, frame, &kind.to_string()), &[".svg", ".png"]);
                 }
             }
@@ -141,15 +135,8 @@ impl Plan {
             }
             false => timing,
         });
-        let shrink = if quick { 2 } else { 1 };
-        let resolution = experiment
-            .pictures
-            .as_ref()
-            .and_then(|pictures| pictures.resolution)
-            .map(|size| size.map(|side| (side / shrink).max(1)));
         Ok(Self {
             scenes,
-            receivers: experiment.receivers.clone(),
             references,
             weights: experiment.weights,
             classes: experiment.classes,
@@ -160,14 +147,8 @@ impl Plan {
             timing,
             pictured,
             difference,
-            resolution,
             inputs,
         })
-    }
-
-    /// The scene's camera, at the resolution of the experiment's pictures.
-    pub fn camera(&self, scene: &Scene) -> Camera {
-        Camera { resolution: self.resolution.unwrap_or(scene.camera.resolution), ..scene.camera }
     }
 
     /// The references that are needed besides the mesh, with each strategy's own bands spelled out.

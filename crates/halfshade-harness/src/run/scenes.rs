@@ -1,7 +1,7 @@
 //! The scenes of an experiment, loaded and changed as it says.
 
 use crate::{
-    Experiment, HarnessError,
+    Experiment, HarnessError, ReceiverKind,
     experiment::{SceneEntry, View},
     inputs,
     scene_source::{self, MeshLight},
@@ -33,10 +33,21 @@ fn share_out_spheres(scene: &mut Scene, count: usize) {
     scene.name = format!("{}, {count} spheres", scene.name);
 }
 
+/// A scene of a plan.
+#[derive(Debug)]
+pub struct PlannedScene {
+    /// The scene, without sphere sets.
+    pub scene: Scene,
+    /// Its frames.
+    pub frames: Vec<usize>,
+    /// Kinds of its receivers.
+    pub receivers: Vec<ReceiverKind>,
+}
+
 /// Scenes, and what they were read from.
 pub(super) struct Loaded {
-    /// The scenes, without sphere sets, and the frames of each.
-    pub(super) scenes: Vec<(Scene, Vec<usize>)>,
+    /// The scenes.
+    pub(super) scenes: Vec<PlannedScene>,
     /// The files, relative to the experiment.
     pub(super) inputs: Vec<InputFile>,
 }
@@ -44,7 +55,7 @@ pub(super) struct Loaded {
 /// Loads all scenes of `experiment`; of each only the first frame if `quick`.
 pub(super) fn scenes(experiment: &Experiment, quick: bool) -> Result<Loaded, HarnessError> {
     let folder = experiment.path.parent().unwrap_or(Path::new("."));
-    let mut scenes: Vec<(Scene, Vec<usize>)> = Vec::new();
+    let mut scenes: Vec<PlannedScene> = Vec::new();
     let mut inputs = Vec::new();
     for entry in &experiment.scenes {
         let error = |problem: String| experiment.error_at(entry.name.span().start, problem);
@@ -53,7 +64,11 @@ pub(super) fn scenes(experiment: &Experiment, quick: bool) -> Result<Loaded, Har
         inputs.extend(files);
         let mut scene = scene.map_err(|problem| error(problem.to_string()))?;
         change(&mut scene, entry, experiment)?;
-        if scenes.iter().any(|(other, _)| other.name == scene.name) {
+        let of_pictures = || experiment.pictures.as_ref().and_then(|pictures| pictures.resolution);
+        if let Some(size) = entry.resolution.or_else(of_pictures) {
+            scene.camera.resolution = size.map(|side| if quick { (side / 2).max(1) } else { side });
+        }
+        if scenes.iter().any(|other| other.scene.name == scene.name) {
             return Err(error(format!(
                 "scene `{}` is listed twice: list it once, or give another `name` in its file to one of them",
                 scene.name
@@ -67,7 +82,8 @@ pub(super) fn scenes(experiment: &Experiment, quick: bool) -> Result<Loaded, Har
         if quick {
             frames.truncate(1);
         }
-        scenes.push((scene, frames));
+        let receivers = entry.receivers.clone().unwrap_or_else(|| experiment.receivers.clone());
+        scenes.push(PlannedScene { scene, frames, receivers });
     }
     Ok(Loaded { scenes, inputs: inputs::relative_to(folder, inputs) })
 }
@@ -88,6 +104,9 @@ fn change(scene: &mut Scene, entry: &SceneEntry, experiment: &Experiment) -> Res
     if let Some(view) = &entry.camera {
         scene.camera =
             viewed(view.get_ref(), &scene.camera).ok_or_else(|| experiment.error_at(view.span().start, BAD_VIEW))?;
+    }
+    if let Some([width, height]) = entry.resolution {
+        scene.name = format!("{}, {width}x{height}", scene.name);
     }
     if let Some(count) = entry.spheres {
         share_out_spheres(scene, count.get());
