@@ -49,7 +49,8 @@ struct Triangle {
     c: vec4f,
 }
 
-@group(1) @binding(0) var<uniform> frame: Frame;
+// In storage: numbers of a uniform that decide branches Mesa's driver in software compiles into the kernel, with every dispatch.
+@group(1) @binding(0) var<storage, read> frame: Frame;
 // First the hierarchy over objects, then those of meshes.
 @group(1) @binding(1) var<storage, read> nodes: array<Node>;
 @group(1) @binding(2) var<storage, read> triangles: array<Triangle>;

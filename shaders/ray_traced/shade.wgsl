@@ -42,9 +42,11 @@ fn seen_radiance(lane: u32, start: Start, receiver: Receiver, direction: vec3f) 
     return radiance;
 }
 
-// Samples of a dispatch: first and end. One of all samples would keep a device busy for too long, and software drivers end
-// loops of more than 65,535 rounds.
+// The first sample of a dispatch. One of all samples would keep a device busy for too long, and software drivers end loops of
+// more than 65,535 rounds.
 @group(2) @binding(0) var<uniform> part: vec4u;
+
+override SAMPLES_AT_ONCE: u32 = 64u;
 
 // Sum over the samples of this dispatch.
 fn shaded(lane: u32, placed: Receiver) -> vec3f {
@@ -59,7 +61,8 @@ fn shaded(lane: u32, placed: Receiver) -> vec3f {
     let shifts = shifts_of(receiver.group);
     let share = frame.cosine_share;
     var sum = vec3f(0.0);
-    for (var i = part.x; i < part.y; i++) {
+    let end = min(part.x + SAMPLES_AT_ONCE, frame.samples);
+    for (var i = part.x; i < end; i++) {
         var direction = vec3f(0.0);
         if (share == 1.0) {
             let u = coordinate(shifts.x, frame.plane_steps.xy, i);

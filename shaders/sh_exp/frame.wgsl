@@ -41,26 +41,22 @@ struct Frame {
     sun_table: u32,
     log_table: u32,
     form_table: u32,
-    light_channels: u32,
     // Cells of the grid over normals.
     grid_cells: f32,
     // Place in `numbers` of the masks of spheres that intersect.
     masks: u32,
-    // Channels of what spheres radiate.
-    radiance_channels: u32,
-    // The first row of `radiating` about the surroundings of objects, and rows per object; 0: there are none.
+    // The first row of `radiating` about the surroundings of objects.
     ground: u32,
-    ground_rows: u32,
     // The row of `tables` at which points of exposed shares begin.
     fan: u32,
-    padding: u32,
     // Rows of the rotation into the space in which points of exposed shares are fixed.
     share_space: array<vec4f, 3>,
 }
 
 @group(1) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(1) var<storage, read> blockers: array<Blocker>;
-// First blocker and number of blockers, by group of receivers; then masks, see `is_skipped`.
+// Four counts, then first blocker and number of blockers, by group of receivers; then masks, see `is_skipped`. Counts aren't in
+// `frame`: Mesa's driver in software compiles numbers of a uniform that decide branches into the kernel, with every dispatch.
 @group(1) @binding(2) var<storage, read> numbers: array<u32>;
 // Blockers by angular radius from row 0 on, and the tables that `frame` tells of.
 @group(1) @binding(3) var<storage, read> tables: array<vec4f>;
@@ -74,6 +70,26 @@ struct Cut {
 }
 
 fn cut_of(group: u32) -> Cut {
-    let first = numbers[2u * group];
-    return Cut(first, first + numbers[2u * group + 1u]);
+    let place = 4u + 2u * group;
+    let first = numbers[place];
+    return Cut(first, first + numbers[place + 1u]);
+}
+
+// Channels of light by normal; 0 of constant light.
+fn light_channels() -> u32 {
+    return numbers[0];
+}
+
+// Channels of what spheres radiate.
+fn radiance_channels() -> u32 {
+    return numbers[1];
+}
+
+// Rows of `radiating` about the surroundings of an object; 0: there are none.
+fn ground_rows() -> u32 {
+    return numbers[2];
+}
+
+fn has_sun() -> bool {
+    return numbers[3] != 0u;
 }

@@ -80,13 +80,13 @@ fn radiated(blocker: Blocker, basis: Sh, sine: f32) -> vec3f {
     let high = ((tables[row + 3u] - tables[row + 1u]) * t + tables[row + 1u]) * signs;
     let parts = sh_parts(sh_times_bands(basis, sh_bands(low, high)));
     var radiance = vec3f(0.0);
-    for (var channel = 0u; channel < frame.radiance_channels; channel++) {
-        let first = (blocker.emitter * frame.radiance_channels + channel) * SH_PARTS;
+    for (var channel = 0u; channel < radiance_channels(); channel++) {
+        let first = (blocker.emitter * radiance_channels() + channel) * SH_PARTS;
         for (var part = 0u; part < SH_PARTS; part++) {
             radiance[channel] += dot(radiating[first + part], parts[part]);
         }
     }
-    return select(radiance, radiance.xxx, frame.radiance_channels == 1u) * blocker.reflection_factor;
+    return select(radiance, radiance.xxx, radiance_channels() == 1u) * blocker.reflection_factor;
 }
 
 // Whether sphere `other` doesn't cover `sphere`, though it may be nearer. Three numbers per sphere say which spheres are of

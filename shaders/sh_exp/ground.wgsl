@@ -7,12 +7,12 @@ const GROUND_PLACES = 4u;
 
 // Whether an object's surroundings are known.
 fn has_ground(object: u32) -> bool {
-    return frame.ground_rows > 0u && radiating[frame.ground + object * frame.ground_rows].w > 0.0;
+    return ground_rows() > 0u && radiating[frame.ground + object * ground_rows()].w > 0.0;
 }
 
 // Radiance of a white receiver by `weights`, its visible reflectance; if not `is_seen`, that of a black ground.
 fn ground_radiance(object: u32, position: vec3f, weights: Sh, is_seen: bool) -> vec3f {
-    let row = frame.ground + object * frame.ground_rows;
+    let row = frame.ground + object * ground_rows();
     let offset = position - radiating[row].xyz;
     let along = vec4f(
         1.0,

@@ -13,7 +13,7 @@ fn held(value: f32, most: f32) -> f32 {
 
 fn light(normal: vec3f, visibility: Sh) -> vec3f {
     var radiance = vec3f(0.0);
-    if (frame.light_channels == 0u) {
+    if (light_channels() == 0u) {
         let cosine = sh_times_bands(sh_basis(normal), sh_bands(frame.low_cosine, frame.high_cosine));
         radiance = frame.light.xyz * held(sh_dot(cosine, visibility), 1.0);
     } else {
@@ -26,8 +26,8 @@ fn tabulated_light(normal: vec3f, visibility: Sh) -> vec3f {
     let found = octahedral_lookup(normal, frame.grid_cells);
     let parts = sh_parts(visibility);
     var radiance = vec3f(0.0);
-    for (var channel = 0u; channel < frame.light_channels; channel++) {
-        let first = frame.light_table + (found.nodes * frame.light_channels + channel) * SH_PARTS;
+    for (var channel = 0u; channel < light_channels(); channel++) {
+        let first = frame.light_table + (found.nodes * light_channels() + channel) * SH_PARTS;
         var sum = 0.0;
         var unshadowed = 0.0;
         for (var part = 0u; part < SH_PARTS; part++) {
@@ -40,14 +40,14 @@ fn tabulated_light(normal: vec3f, visibility: Sh) -> vec3f {
         }
         radiance[channel] = held(sum, unshadowed);
     }
-    return select(radiance, radiance.xxx, frame.light_channels == 1u);
+    return select(radiance, radiance.xxx, light_channels() == 1u);
 }
 
 fn sun(normal: vec3f, visibility: Sh) -> vec3f {
-    let sine = frame.sun_perpendicular.w;
-    if (sine <= 0.0) {
+    if (!has_sun()) {
         return vec3f(0.0);
     }
+    let sine = frame.sun_perpendicular.w;
     var share = 0.0;
     let parts = sh_parts(visibility);
     for (var part = 0u; part < SH_PARTS; part++) {

@@ -21,7 +21,8 @@ struct Light {
     radiance: vec4f,
 }
 
-@group(1) @binding(0) var<uniform> frame: Frame;
+// In storage: numbers of a uniform that decide branches Mesa's driver in software compiles into the kernel, with every dispatch.
+@group(1) @binding(0) var<storage, read> frame: Frame;
 @group(1) @binding(1) var<storage, read> lights: array<Light>;
 // Irradiance at each node of the grid.
 @group(1) @binding(2) var<storage, read> table: array<vec4f>;

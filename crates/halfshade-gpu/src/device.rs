@@ -20,6 +20,7 @@ const LEAST_BYTES: u64 = 256;
 /// An open device.
 #[derive(Debug)]
 pub struct Gpu {
+    instance: wgpu::Instance,
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
     facts: AdapterFacts,
@@ -93,7 +94,8 @@ impl Gpu {
         if *choice == Choice::Off {
             return Ok(None);
         }
-        let adapters = adapters();
+        let instance = instance();
+        let adapters = adapters(&instance);
         let adapter = chosen(&adapters, choice)?;
         let features = adapter.features() & wgpu::Features::TIMESTAMP_QUERY;
         let descriptor = wgpu::DeviceDescriptor {
@@ -117,7 +119,7 @@ impl Gpu {
         let has_clock = features.contains(wgpu::Features::TIMESTAMP_QUERY);
         let tick_secs = has_clock.then(|| f64::from(queue.get_timestamp_period()) * 1e-9);
         let facts = facts(&adapter.get_info());
-        Ok(Some(Arc::new(Self { device, queue, facts, faults, held: Arc::default(), tick_secs })))
+        Ok(Some(Arc::new(Self { instance, device, queue, facts, faults, held: Arc::default(), tick_secs })))
     }
 
     /// Name, driver, software or hardware.
@@ -128,6 +130,22 @@ impl Gpu {
     /// Bytes of all our buffers on the device.
     pub fn held_bytes(&self) -> u64 {
         self.held.load(Ordering::Relaxed)
+    }
+
+    /// Buffers, bindings, pipelines and commands that live, whoever holds them.
+    pub fn live_objects(&self) -> usize {
+        let Some(report) = self.instance.generate_report() else { return 0 };
+        let hub = report.hub_report();
+        let kinds = [
+            &hub.buffers,
+            &hub.bind_groups,
+            &hub.bind_group_layouts,
+            &hub.compute_pipelines,
+            &hub.command_encoders,
+            &hub.command_buffers,
+            &hub.query_sets,
+        ];
+        kinds.iter().map(|kind| kind.num_allocated).sum()
     }
 
     /// The fault since it was last asked.
@@ -146,9 +164,9 @@ impl Gpu {
         self.buffer_for(what, bytes, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC)
     }
 
-    /// A small buffer of settings.
+    /// A small buffer of settings, for either kind of binding.
     pub(crate) fn uniforms(&self, what: &str, bytes: u64) -> Result<DeviceBuffer, GpuError> {
-        self.buffer_for(what, bytes, wgpu::BufferUsages::UNIFORM)
+        self.buffer_for(what, bytes, wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE)
     }
 
     fn buffer_for(&self, what: &str, bytes: u64, usage: wgpu::BufferUsages) -> Result<DeviceBuffer, GpuError> {
@@ -268,14 +286,17 @@ impl Gpu {
 
 /// All graphics devices, in the order of their numbers.
 pub fn devices() -> Vec<AdapterFacts> {
-    adapters().iter().map(|adapter| facts(&adapter.get_info())).collect()
+    adapters(&instance()).iter().map(|adapter| facts(&adapter.get_info())).collect()
 }
 
-fn adapters() -> Vec<wgpu::Adapter> {
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+fn instance() -> wgpu::Instance {
+    wgpu::Instance::new(wgpu::InstanceDescriptor {
         backends: wgpu::Backends::VULKAN,
         ..wgpu::InstanceDescriptor::new_without_display_handle()
-    });
+    })
+}
+
+fn adapters(instance: &wgpu::Instance) -> Vec<wgpu::Adapter> {
     pollster::block_on(instance.enumerate_adapters(wgpu::Backends::VULKAN))
 }
 

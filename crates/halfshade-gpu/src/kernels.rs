@@ -1,5 +1,7 @@
 //! The table of kernels: which shader is the twin of which code, and how closely.
 
+use crate::shader;
+
 /// A kernel in WGSL and its twin on the CPU.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Kernel {
@@ -33,6 +35,13 @@ pub struct Missing {
     pub cpu: &'static str,
     /// A way without it.
     pub instead: &'static str,
+}
+
+impl Kernel {
+    /// Its whole WGSL; `bands` for kernels of SH vectors.
+    pub fn code(&self, bands: Option<usize>) -> String {
+        shader::module(self.shader, bands)
+    }
 }
 
 const RECEIVERS: &[&str] = &["places", "albedos", "placements", "radiances"];

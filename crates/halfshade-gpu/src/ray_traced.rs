@@ -104,7 +104,8 @@ impl Strategy for RayTracedOnGpu {
             let reason = "no kernels for graphics devices yet: holes by a mask; take device `cpu`";
             return Err(StrategyError::Unsupported(reason.into()));
         }
-        let runner = Runner::new(&self.bench, &RAY_TRACED, None, &[], size_of::<FrameUniforms>())?;
+        let constants = [("SAMPLES_AT_ONCE", f64::from(SAMPLES_AT_ONCE))];
+        let runner = Runner::new(&self.bench, &RAY_TRACED, None, &constants, size_of::<FrameUniforms>())?;
         let mut baked = BakedOnGpu {
             runner,
             samples: SampleArrays::new(params),
@@ -115,8 +116,8 @@ impl Strategy for RayTracedOnGpu {
         baked.runner.write(1, &baked.meshes.nodes)?;
         baked.runner.write(2, &baked.meshes.triangles)?;
         let samples = baked.samples.samples;
-        let part = |first: u32| [first, (first + SAMPLES_AT_ONCE).min(samples), 0, 0];
-        let parts: Vec<[u32; 4]> = (0..samples).step_by(SAMPLES_AT_ONCE as usize).map(part).collect();
+        let parts: Vec<[u32; 4]> =
+            (0..samples).step_by(SAMPLES_AT_ONCE as usize).map(|first| [first, 0, 0, 0]).collect();
         baked.runner.set_parts(&parts)?;
         Ok(Box::new(baked))
     }

@@ -114,14 +114,10 @@ fn structs_lie_in_rust_as_in_wgsl() {
         offset_of!(Frame, sun_table),
         offset_of!(Frame, log_table),
         offset_of!(Frame, form_table),
-        offset_of!(Frame, light_channels),
         offset_of!(Frame, grid_cells),
         offset_of!(Frame, masks),
-        offset_of!(Frame, radiance_channels),
         offset_of!(Frame, ground),
-        offset_of!(Frame, ground_rows),
         offset_of!(Frame, fan),
-        offset_of!(Frame, padding),
         offset_of!(Frame, share_space),
     ];
     let cosines = [cosine, cosine + 16, reflectance, reflectance + 16];

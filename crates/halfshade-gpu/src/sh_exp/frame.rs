@@ -67,10 +67,10 @@ fn scaled(blocker: &Blocker, scale: f64) -> DeviceBlocker {
     }
 }
 
-/// First blocker and number of blockers of every cut; then, from the place that is returned, the masks of spheres that don't
-/// cover each other, if there are any.
-pub(super) fn numbers(baked: &BakedScene, arrays: &SceneArrays<'_>) -> (Vec<u32>, u32) {
-    let mut numbers = Vec::new();
+/// Counts; first blocker and number of blockers of every cut; then, from the place that is returned, the masks of spheres that
+/// don't cover each other, if there are any.
+pub(super) fn numbers(baked: &BakedScene, arrays: &SceneArrays<'_>, counts: [u32; 4]) -> (Vec<u32>, u32) {
+    let mut numbers = counts.to_vec();
     let mut first = 0;
     for cut in baked.cuts() {
         numbers.extend([first, cut.len() as u32]);
@@ -100,6 +100,11 @@ pub(super) fn rows_of(bands: usize) -> usize {
     (bands * bands).div_ceil(4)
 }
 
+/// Rows about the surroundings of an object, if there are any.
+pub(super) fn ground_rows(scene: &SceneArrays<'_>, frame: &FrameArrays<'_>) -> u32 {
+    if frame.ground[0].is_empty() { 0 } else { 4 + 2 * 12 * rows_of(scene.bands) as u32 }
+}
+
 /// The radiance of spheres that the processor has found, and the surroundings of objects, of which `uniforms` are told.
 pub(super) fn radiating(
     scene: &SceneArrays<'_>,
@@ -111,9 +116,9 @@ pub(super) fn radiating(
     let mut rows: Vec<[f32; 4]> = frame.radiance.chunks_exact(count).flat_map(in_fours).collect();
     let [seen, taken] = frame.ground;
     uniforms.ground = rows.len() as u32;
-    uniforms.ground_rows = if seen.is_empty() { 0 } else { 4 + 2 * 12 * rows_of(scene.bands) as u32 };
+    let of_object = ground_rows(scene, frame) as usize;
     for (seen, taken) in seen.iter().zip(taken) {
-        let end = rows.len() + uniforms.ground_rows as usize;
+        let end = rows.len() + of_object;
         if let (Some(seen), Some(taken)) = (seen, taken) {
             rows.extend(places_of(seen, space));
             let vectors = [seen, taken].map(|field| field.coefficients.iter().flatten());
@@ -122,7 +127,7 @@ pub(super) fn radiating(
         rows.resize(end, [0.0; 4]);
     }
     // Receivers on no object have none either.
-    rows.resize(rows.len() + uniforms.ground_rows as usize, [0.0; 4]);
+    rows.resize(rows.len() + of_object, [0.0; 4]);
     rows
 }
 

@@ -35,6 +35,7 @@ struct BakedOnGpu {
     /// Where spheres radiate without the processor, from the first frame on.
     first_pass: Option<DeviceFirstPass>,
     uniforms: FrameUniforms,
+    light_channels: u32,
     /// Changes of the light up to which tables are on the device.
     light_changes: Option<u32>,
 }
@@ -65,6 +66,7 @@ impl Strategy for ShExpOnGpu {
             constants,
             first_pass: None,
             uniforms: FrameUniforms::default(),
+            light_channels: 0,
             light_changes: None,
         }))
     }
@@ -98,25 +100,26 @@ impl Baked for BakedOnGpu {
 
 impl BakedOnGpu {
     fn prepare_on_device(&mut self, frame: &Frame<'_>) -> Result<(), GpuError> {
-        let Self { bench, baked, runner, constants, first_pass, uniforms, light_changes } = self;
+        let Self { bench, baked, runner, constants, first_pass, uniforms, light_channels, light_changes } = self;
         let (scene, of_frame) = (baked.scene_arrays(), baked.frame_arrays());
         frame::check_rounds(&bench.gpu, &scene, baked.cuts().map(<[_]>::len).max().unwrap_or(0))?;
         let space = frame::space(baked, &of_frame);
         let changes = Some(of_frame.light_changes);
         if *light_changes != changes {
             let tables = Tables::new(&scene, &of_frame);
-            *uniforms = tables.uniforms;
+            (*uniforms, *light_channels) = (tables.uniforms, tables.light_channels);
             runner.write(3, &tables.rows)?;
             *light_changes = changes;
         }
         runner.write(1, &frame::blockers(baked, &space))?;
-        let (numbers, masks) = frame::numbers(baked, &scene);
+        let channels =
+            scene.reflections.map_or(0, |reflections| if of_frame.is_grey { reflections.surface_channels } else { 3 });
+        let has_sun = u32::from(of_frame.light.sun.as_ref().is_some_and(|sun| sun.sin_radius > 0.0));
+        let counts = [*light_channels, channels as u32, frame::ground_rows(&scene, &of_frame), has_sun];
+        let (numbers, masks) = frame::numbers(baked, &scene, counts);
         runner.write(2, &numbers)?;
         uniforms.masks = masks;
         uniforms.share_space = crate::receivers::affine_rows(of_frame.blockers_from_light, glam::DVec3::ZERO);
-        let channels =
-            scene.reflections.map_or(0, |reflections| if of_frame.is_grey { reflections.surface_channels } else { 3 });
-        uniforms.radiance_channels = channels as u32;
         runner.place_objects(frame, &space)?;
         if let Some(reflections) = scene.reflections.as_ref().filter(|_| baked.first_pass() == FirstPass::Elsewhere) {
             let pass = match first_pass {

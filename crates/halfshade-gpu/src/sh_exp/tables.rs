@@ -21,14 +21,10 @@ pub struct FrameUniforms {
     pub(crate) sun_table: u32,
     pub(crate) log_table: u32,
     pub(crate) form_table: u32,
-    pub(crate) light_channels: u32,
     pub(crate) grid_cells: f32,
     pub(crate) masks: u32,
-    pub(crate) radiance_channels: u32,
     pub(crate) ground: u32,
-    pub(crate) ground_rows: u32,
     pub(crate) fan: u32,
-    pub(crate) padding: u32,
     pub(crate) share_space: [[f32; 4]; 3],
 }
 
@@ -47,6 +43,8 @@ pub struct LinearTable {
 pub struct Tables {
     /// Rows.
     pub rows: Vec<[f32; 4]>,
+    /// Channels of light by normal; 0 of constant light.
+    pub light_channels: u32,
     /// Settings of the scene and its light; those of spheres are 0.
     pub uniforms: FrameUniforms,
 }
@@ -118,7 +116,7 @@ impl Tables {
         match &light.base {
             BaseByNormal::Constant(radiance) => self.uniforms.light = radiance.extend(0.0).to_array(),
             BaseByNormal::Table { rows: eights, channels } => {
-                self.uniforms.light_channels = *channels as u32;
+                self.light_channels = *channels as u32;
                 let count = bands * bands;
                 // Rows of eight are filled up with zeros; rows of four need fewer of them.
                 for vector in eights.chunks_exact(count.div_ceil(8)) {

@@ -3,6 +3,7 @@
 //! Without a device all of these report themselves ignored; with `HALFSHADE_REQUIRE_GPU=1` that is a failure.
 
 mod beside_the_cpu;
+mod few_receivers;
 mod twins;
 
 use halfshade_gpu::{Choice, Gpu, strategies};
@@ -80,6 +81,7 @@ fn main() -> ExitCode {
             Box::new(move |all| beside_the_cpu::compare(on(&all, strategy), cpu(strategy).as_ref(), settings)),
         );
     }
+    add("few_receivers".into(), Box::new(|all| few_receivers::compare(&all)));
     for (name, test) in twins::TESTS {
         let gpu = gpu.clone();
         let run = move || gpu.map_or(Ok(()), |gpu| test(&gpu));
