@@ -26,5 +26,6 @@ fn main() {
     write("kernels.rs", generate::rust(8));
     for bands in 1..=6 {
         write(&format!("sh_{bands}.wgsl"), generate::wgsl(bands));
+        write(&format!("sh_rotation_{bands}.wgsl"), generate::wgsl_rotation(bands));
     }
 }

@@ -60,3 +60,11 @@ fn accumulate(number: u32, white: vec3f, is_first: bool) {
 fn reflect(number: u32, white: vec3f) {
     accumulate(number, white, true);
 }
+
+// Adds light that a receiver sends out beside that.
+fn add_radiance(number: u32, radiance: vec3f) {
+    let count = receiver_count();
+    for (var channel = 0u; channel < 3u; channel++) {
+        radiances[channel * count + number] += radiance[channel];
+    }
+}

@@ -4,6 +4,8 @@
 //! they are parsed, a fused multiplication and addition as two, a square root as one. Loops count as often as said, and of
 //! branches the side that is said to be taken, or else the longer one.
 
+#![expect(clippy::print_stdout, reason = "its result")]
+
 use halfshade_gpu::kernels::{KERNELS, Kernel};
 use naga::{
     BinaryOperator, Block, Expression, Function, Handle, Literal, MathFunction, Module, ScalarKind, Statement,
@@ -85,6 +87,24 @@ const CASES: &[Case] = &[
         ],
         bytes: RECEIVER_BYTES,
     },
+    Case {
+        kernel: "ray-traced",
+        what: "16 rays of 32 steps through hierarchies each, a map's light, no lamp",
+        bands: 1,
+        rounds: &[("shaded", &[16.0]), ("is_blocked", &[32.0, 1.0]), ("power_at", &[0.0]), ("seen_radiance", &[0.0])],
+        taken: &[],
+        bytes: RECEIVER_BYTES,
+    },
+    Case {
+        kernel: "shadow-field",
+        what: "four other objects and the own, 4 bands in 8 bits, a map's light, at a vertex",
+        bands: 4,
+        rounds: &[("main", &[1.0]), ("gathered", &[1.0]), ("transfer_toward", &[5.0]), ("blocked_at", &[2.0])],
+        // Distant light alone, other objects.
+        taken: &[("gathered", &[true, true]), ("transfer_toward", &[false])],
+        // Four rows of own occlusion, vertices and weights; eight samples of 16 bytes per object.
+        bytes: RECEIVER_BYTES + 64.0 + 32.0 + 4.0 * 8.0 * 16.0,
+    },
 ];
 
 fn main() {
@@ -105,7 +125,8 @@ fn main() {
 impl<'a> Counter<'a> {
     fn new(kernel: &Kernel, case: &'a Case) -> Self {
         let module = naga::front::wgsl::parse_str(&kernel.code(Some(case.bands))).expect("parses");
-        let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
+        // Half floats of stored fields are part of WebGPU.
+        let mut validator = Validator::new(ValidationFlags::all(), Capabilities::SHADER_FLOAT16_IN_FLOAT32);
         let info = validator.validate(&module).expect("is valid");
         Self { module, info, case }
     }

@@ -175,8 +175,89 @@ pub const SH_EXP_EMIT: Kernel = Kernel {
     buffers: &[&["rounds", "emitters", "weights", "rotations", "light", "radiance"]],
 };
 
+/// Shadows of `shadow-field` in spherical harmonics.
+pub const SHADOW_FIELD: Kernel = Kernel {
+    name: "shadow-field",
+    shader: "shadow_field/shade.wgsl",
+    twins: &[
+        Twin {
+            shader: "common/reflectance.wgsl",
+            cpu: "halfshade_scene::Reflectance::lobes",
+            tolerance: 1e-3,
+            reason: "double precision on the CPU; the power of a length magnifies rounding by its exponent",
+        },
+        Twin {
+            shader: "shadow_field/shell_coordinates.wgsl",
+            cpu: "halfshade_strategies::shadow_field::kernel::shell_coordinates",
+            tolerance: 4e-4,
+            reason: "the arc cosine of the CPU loses half its digits next to a pole",
+        },
+        Twin {
+            shader: "shadow_field/shell_grid.wgsl",
+            cpu: "halfshade_strategies::shadow_field::kernel::shell_grid",
+            tolerance: 2e-5,
+            reason: "the place in a cell is a difference of numbers as large as the grid",
+        },
+        Twin {
+            shader: "shadow_field/reconstruct.wgsl",
+            cpu: "halfshade_strategies::shadow_field::kernel::reconstruct",
+            tolerance: 2e-5,
+            reason: "that of the weights",
+        },
+        Twin {
+            shader: "shadow_field/rotate.wgsl",
+            cpu: "halfshade_strategies::shadow_field::kernel::rotate",
+            tolerance: 1e-6,
+            reason: "rounding of eleven products",
+        },
+        Twin {
+            shader: "shadow_field/occlusion.wgsl",
+            cpu: "halfshade_strategies::shadow_field::shade::sh::occlusion",
+            tolerance: 2e-5,
+            reason: "those of its parts",
+        },
+        Twin {
+            shader: "shadow_field/bounded_product.wgsl",
+            cpu: "halfshade_strategies::shadow_field::kernel::bounded_product",
+            tolerance: 1e-2,
+            reason: "where nothing is hidden a glossy lobe is bound by the square root of rounding; elsewhere 1e-5",
+        },
+        Twin {
+            shader: "shadow_field/light_order.wgsl",
+            cpu: "halfshade_strategies::shadow_field::kernel::light_order",
+            tolerance: 0.0,
+            reason: "yes or no, but where both distances are the same",
+        },
+        Twin {
+            shader: "shadow_field/light_product.wgsl",
+            cpu: "halfshade_strategies::shadow_field::kernel::light_product",
+            tolerance: 2e-5,
+            reason: "a table on the CPU, its formula on the device",
+        },
+        Twin {
+            shader: "shadow_field/cosine_power.wgsl",
+            cpu: "halfshade_strategies::shadow_field::kernel::cosine_power",
+            tolerance: 1e-6,
+            reason: "rounding",
+        },
+        Twin {
+            shader: "shadow_field/gloss.wgsl",
+            cpu: "halfshade_strategies::shadow_field::shade::sh::gloss",
+            tolerance: 1e-3,
+            reason: "that of the lobes",
+        },
+        Twin {
+            shader: "shadow_field/frame.wgsl",
+            cpu: "halfshade_strategies::shadow_field::prepare::frame",
+            tolerance: 0.0,
+            reason: "numbers are only read",
+        },
+    ],
+    buffers: &[RECEIVERS, &["frame", "rows", "samples", "tables"]],
+};
+
 /// All kernels.
-pub const KERNELS: &[Kernel] = &[UNSHADOWED, RAY_TRACED, SH_EXP, SH_EXP_EMIT];
+pub const KERNELS: &[Kernel] = &[UNSHADOWED, RAY_TRACED, SH_EXP, SH_EXP_EMIT, SHADOW_FIELD];
 
 /// All that has none.
 pub const MISSING: &[Missing] = &[
@@ -186,6 +267,7 @@ pub const MISSING: &[Missing] = &[
         instead: "device `cpu`, where anything is glossy",
     },
     Missing { cpu: "halfshade_scene::Mesh::is_cut_out", instead: "device `cpu`, where a mesh has holes by a mask" },
-    Missing { cpu: "halfshade_strategies::shadow_field", instead: "device `cpu`" },
+    Missing { cpu: "halfshade_strategies::shadow_field::shade::haar", instead: "basis=sh or device `cpu`" },
+    Missing { cpu: "halfshade_strategies::shadow_field::shade::traced", instead: "sampling=adaptive or device `cpu`" },
     Missing { cpu: "halfshade_strategies::cosine_lobe", instead: "device `cpu`" },
 ];

@@ -17,6 +17,7 @@ mod receivers;
 mod runner;
 mod sh_exp;
 mod shader;
+mod shadow_field;
 mod unshadowed;
 #[cfg(test)]
 mod validation;
@@ -26,17 +27,20 @@ pub use device::{AdapterFacts, Gpu, devices};
 pub use error::GpuError;
 pub use ray_traced::RayTracedOnGpu;
 pub use sh_exp::ShExpOnGpu;
+pub use shadow_field::ShadowFieldOnGpu;
 pub use unshadowed::UnshadowedOnGpu;
 
+use halfshade_scene::Cache;
 use halfshade_strategy::Strategy;
 use std::sync::Arc;
 
-/// The strategies that have kernels for graphics hardware, to run on `gpu`.
-pub fn strategies(gpu: &Arc<Gpu>) -> Vec<Box<dyn Strategy>> {
+/// The strategies that have kernels for graphics hardware, to run on `gpu`; what they bake is kept in `cache`.
+pub fn strategies(gpu: &Arc<Gpu>, cache: &Cache) -> Vec<Box<dyn Strategy>> {
     let bench = runner::Bench { gpu: gpu.clone(), pipelines: Arc::default() };
     vec![
         Box::new(UnshadowedOnGpu::new(bench.clone())),
         Box::new(RayTracedOnGpu::new(bench.clone())),
-        Box::new(ShExpOnGpu::new(bench)),
+        Box::new(ShExpOnGpu::new(bench.clone())),
+        Box::new(ShadowFieldOnGpu::new(bench, cache.clone())),
     ]
 }

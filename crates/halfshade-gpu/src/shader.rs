@@ -16,6 +16,7 @@ sources! {
     "common/constants.wgsl"
     "common/octahedral.wgsl"
     "common/receivers.wgsl"
+    "common/reflectance.wgsl"
     "ray_traced/frame.wgsl"
     "ray_traced/light.wgsl"
     "ray_traced/random.wgsl"
@@ -32,6 +33,18 @@ sources! {
     "sh_exp/product.wgsl"
     "sh_exp/shade.wgsl"
     "sh_exp/shares.wgsl"
+    "shadow_field/bounded_product.wgsl"
+    "shadow_field/cosine_power.wgsl"
+    "shadow_field/frame.wgsl"
+    "shadow_field/gloss.wgsl"
+    "shadow_field/light_order.wgsl"
+    "shadow_field/light_product.wgsl"
+    "shadow_field/occlusion.wgsl"
+    "shadow_field/reconstruct.wgsl"
+    "shadow_field/rotate.wgsl"
+    "shadow_field/shade.wgsl"
+    "shadow_field/shell_coordinates.wgsl"
+    "shadow_field/shell_grid.wgsl"
     "shared/tangent_plane.wgsl"
     "unshadowed/shade.wgsl"
 }
@@ -41,23 +54,30 @@ pub(crate) fn source(path: &str) -> Option<&'static str> {
     SOURCES.iter().find(|(known, _)| *known == path).map(|(_, text)| *text)
 }
 
+/// The import that stands for what turns vectors of the module's number of bands.
+const ROTATION: &str = "sh/rotation";
+
 /// A whole module: the kernels of so many bands if it needs any, then the file at `path` after all that it imports. An import
 /// of a file that there isn't, is left as it stands, for the WGSL parser to refuse.
 pub(crate) fn module(path: &str, bands: Option<usize>) -> String {
     let mut code = bands.and_then(halfshade_sh::wgsl::kernels).unwrap_or_default().to_owned();
-    include(path, &mut BTreeSet::new(), &mut code);
+    include(path, bands, &mut BTreeSet::new(), &mut code);
     code
 }
 
-fn include<'a>(path: &'a str, included: &mut BTreeSet<&'a str>, code: &mut String) {
-    let Some(text) = source(path).filter(|_| included.insert(path)) else { return };
+fn include<'a>(path: &'a str, bands: Option<usize>, included: &mut BTreeSet<&'a str>, code: &mut String) {
+    let text = |path: &str| match path {
+        ROTATION => bands.and_then(halfshade_sh::wgsl::rotation),
+        _ => source(path),
+    };
+    let Some(own) = text(path).filter(|_| included.insert(path)) else { return };
     let imported = |line: &'static str| line.strip_prefix("#import \"")?.strip_suffix('"');
-    let imports = text.lines().filter_map(imported);
+    let imports = own.lines().filter_map(imported);
     for path in imports.clone() {
-        include(path, included, code);
+        include(path, bands, included, code);
     }
-    for line in text.lines() {
-        if imported(line).is_none_or(|path| source(path).is_none()) {
+    for line in own.lines() {
+        if imported(line).is_none_or(|path| text(path).is_none()) {
             code.push_str(line);
             code.push('\n');
         }

@@ -1,6 +1,6 @@
 //! Shaders without a device: every kernel is parsed and validated, and its structs lie as those of the Rust that fills them.
 
-use crate::{hierarchy::Node, kernels::KERNELS, ray_traced, receivers, sh_exp, shader, unshadowed};
+use crate::{hierarchy::Node, kernels::KERNELS, ray_traced, receivers, sh_exp, shader, shadow_field, unshadowed};
 use halfshade_sh::wgsl::MAX_WGSL_BANDS;
 use naga::{
     Module, TypeInner,
@@ -11,7 +11,8 @@ use naga::{
 fn valid(name: &str, code: &str) -> (Module, ModuleInfo) {
     let module =
         naga::front::wgsl::parse_str(code).unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(code)));
-    let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
+    // Half precision that is read as single precision is in every WebGPU.
+    let mut validator = Validator::new(ValidationFlags::all(), Capabilities::SHADER_FLOAT16_IN_FLOAT32);
     let info = validator.validate(&module).unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(code)));
     (module, info)
 }
@@ -204,4 +205,19 @@ fn structs_lie_in_rust_as_in_wgsl() {
         offset_of!(Plain, padding),
     ];
     assert_eq!(layout(&module, "Frame"), (size_of::<Plain>(), plain));
+
+    let (module, _) = valid("shadow-field", &shader::module("shadow_field/shade.wgsl", Some(4)));
+    type Fields = shadow_field::frame::FrameUniforms;
+    let cosine = offset_of!(Fields, cosine);
+    let fields = vec![
+        offset_of!(Fields, light),
+        cosine,
+        cosine + 16,
+        offset_of!(Fields, eye),
+        offset_of!(Fields, rotations),
+        offset_of!(Fields, orders),
+        offset_of!(Fields, lights),
+        offset_of!(Fields, receivers),
+    ];
+    assert_eq!(layout(&module, "Frame"), (size_of::<Fields>(), fields));
 }

@@ -5,7 +5,7 @@
 use glam::Vec3;
 use halfshade_gpu::{Choice, Gpu, strategies};
 use halfshade_scene::{
-    Environment, Object, Pose, RadianceBuffer, ReceiverBuffer, Scene, Sphere, SphereSet, builtin::shapes,
+    Cache, Environment, Object, Pose, RadianceBuffer, ReceiverBuffer, Scene, Sphere, SphereSet, builtin::shapes,
     progress::Silent,
 };
 use halfshade_strategy::StrategyError;
@@ -50,11 +50,12 @@ fn resident_bytes() -> Option<usize> {
 
 /// Mesa's driver in software keeps 300 KB of every dispatch into which it has compiled numbers of a uniform (22.3.6).
 fn a_thousand_frames(gpu: &Arc<Gpu>) -> Result<(), Failed> {
-    let strategies = strategies(gpu);
+    let strategies = strategies(gpu, &Cache::disabled());
     let scene = scene();
     let receivers = ReceiverBuffer::vertices(&scene.frame(0));
     let mut out = RadianceBuffer::zeros(receivers.len());
-    for (name, settings) in [("unshadowed", ""), ("ray-traced", "samples=1"), ("sh-exp", "")] {
+    let field = "shells=6,inner=1,resolution=8,map=16,bands=2";
+    for (name, settings) in [("unshadowed", ""), ("ray-traced", "samples=1"), ("sh-exp", ""), ("shadow-field", field)] {
         let told = |error: StrategyError| Failed::from(format!("{name}: {error}"));
         let strategy = strategies.iter().find(|strategy| strategy.info().name == name).ok_or("no such strategy")?;
         let params = strategy.info().parse(settings).map_err(|error| Failed::from(error.to_string()))?;

@@ -10,6 +10,9 @@ use std::fmt::Write;
 /// operations, so the products walk a table of the same groups instead.
 const UNROLLED_BANDS: usize = 4;
 
+/// Components of a row of four in WGSL.
+const COMPONENTS: [&str; 4] = ["x", "y", "z", "w"];
+
 /// Kernels in Rust for 1 to `max_bands` bands.
 pub(crate) fn rust(max_bands: usize) -> String {
     let all = tripling::distinct(max_bands);
@@ -42,6 +45,28 @@ pub(crate) fn wgsl(bands: usize) -> String {
     product(&mut code, bands, &groups);
     square(&mut code, bands, &groups);
     elementwise(&mut code, bands);
+    code.text
+}
+
+/// A WGSL function that turns a vector of `bands` bands by the blocks of a rotation, band by band and row by row. They are
+/// read four at a time where they lie: as an argument they would fill registers.
+pub(crate) fn wgsl_rotation(bands: usize) -> String {
+    let mut code = Code::new(Dialect::Wgsl);
+    let blocks = (0..bands).flat_map(|l| {
+        let band = l * l..(l + 1) * (l + 1);
+        band.clone().flat_map(move |row| band.clone().map(move |column| (row, column)))
+    });
+    let blocks: Vec<(usize, usize)> = blocks.collect();
+    writeln!(code.text, "const SH_ROTATION_PARTS = {}u;", blocks.len().div_ceil(4)).expect("writing to a string");
+    code.open("rotated", bands, "", "f: Sh, first: u32");
+    let mut started = BTreeSet::new();
+    for (part, four) in blocks.chunks(4).enumerate() {
+        code.bind("part", &format!("sh_rotation_part(first + {part}u)"));
+        for ((row, column), component) in four.iter().zip(COMPONENTS) {
+            code.accumulate(&mut started, &format!("h{row}"), &format!("f[{column}]"), &format!("part.{component}"));
+        }
+    }
+    code.close(bands);
     code.text
 }
 
@@ -399,7 +424,7 @@ fn elementwise(code: &mut Code, bands: usize) {
 
 /// WGSL functions to and from rows of four, in which tables are stored.
 fn conversions(code: &mut Code, bands: usize) {
-    let component = |i: usize| ["x", "y", "z", "w"][i % 4];
+    let component = |i: usize| COMPONENTS[i % 4];
     let list = |items: Vec<String>| items.join(", ");
     let of_band = |l: usize| format!("{}.{}", if l < 4 { "low" } else { "high" }, component(l));
     let of_coefficient = |i: usize| if i < bands * bands { format!("f[{i}]") } else { "0.0f".to_owned() };

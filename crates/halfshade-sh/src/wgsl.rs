@@ -6,6 +6,21 @@
 /// Most bands that there are WGSL kernels for.
 pub const MAX_WGSL_BANDS: usize = 6;
 
+/// The text of a file per number of bands.
+macro_rules! generated {
+    ($bands:expr, $stem:literal) => {
+        match $bands {
+            1 => Some(include_str!(concat!(env!("OUT_DIR"), "/", $stem, "1.wgsl"))),
+            2 => Some(include_str!(concat!(env!("OUT_DIR"), "/", $stem, "2.wgsl"))),
+            3 => Some(include_str!(concat!(env!("OUT_DIR"), "/", $stem, "3.wgsl"))),
+            4 => Some(include_str!(concat!(env!("OUT_DIR"), "/", $stem, "4.wgsl"))),
+            5 => Some(include_str!(concat!(env!("OUT_DIR"), "/", $stem, "5.wgsl"))),
+            6 => Some(include_str!(concat!(env!("OUT_DIR"), "/", $stem, "6.wgsl"))),
+            _ => None,
+        }
+    };
+}
+
 /// The WGSL module for a number of bands, or `None` if there is none.
 ///
 /// It declares `SH_BANDS` and `SH_COUNT`, the vector `Sh` of so many coefficients, `ShBands` of one number per band, and
@@ -15,18 +30,12 @@ pub const MAX_WGSL_BANDS: usize = 6;
 /// `sh_parts(f)` and `sh_of_parts(parts)`, the vector as `SH_PARTS` rows of four, filled up with zeros; and `sh_bands(low,
 /// high)`, of eight numbers those of the bands there are.
 pub fn kernels(bands: usize) -> Option<&'static str> {
-    macro_rules! module {
-        ($name:literal) => {
-            include_str!(concat!(env!("OUT_DIR"), "/", $name))
-        };
-    }
-    match bands {
-        1 => Some(module!("sh_1.wgsl")),
-        2 => Some(module!("sh_2.wgsl")),
-        3 => Some(module!("sh_3.wgsl")),
-        4 => Some(module!("sh_4.wgsl")),
-        5 => Some(module!("sh_5.wgsl")),
-        6 => Some(module!("sh_6.wgsl")),
-        _ => None,
-    }
+    generated!(bands, "sh_")
+}
+
+/// The function `sh_rotated(f, first)` that turns vectors of so many bands, for modules that have [`kernels`] and
+/// `sh_rotation_part(row: u32) -> vec4f`: there, from row `first` on, `SH_ROTATION_PARTS` rows of four hold the blocks of the
+/// rotation, band by band and row by row, filled up with zeros.
+pub fn rotation(bands: usize) -> Option<&'static str> {
+    generated!(bands, "sh_rotation_")
 }

@@ -33,29 +33,41 @@ pub(super) fn compare(device: &dyn Strategy, cpu: &dyn Strategy, settings: &str)
                 scene.lights.push((lamp, Motion::Still(Pose::IDENTITY)));
             }
             let receivers = ReceiverBuffer::vertices(&scene.frame(0));
-            let found = [device, cpu].map(|strategy| shaded(strategy, &scene, &receivers, settings));
-            let [found, expected] = found;
-            let (found, expected) = (found.map_err(told)?, expected.map_err(told)?);
-            let values = |buffer: &RadianceBuffer| buffer.channels.concat();
-            let (found, expected) = (values(&found), values(&expected));
-            let mean = expected.iter().sum::<f32>() / expected.len() as f32;
-            let off: Vec<f32> = found.iter().zip(&expected).map(|(a, b)| (a - b).abs() / mean).collect();
-            // NaN is larger than any bound.
-            let worst = off.iter().copied().fold(0.0, |a, b| if b <= a { a } else { b });
-            let average = off.iter().sum::<f32>() / off.len() as f32;
-            // A ray that grazes an edge, or the rim of a small sun, may be decided otherwise.
-            let is_by_rays = cpu.info().name == "ray-traced";
-            let [most, most_in_the_mean] = if is_by_rays { [10.0, 1e-3] } else { [TOLERANCE, MEAN_TOLERANCE] };
-            if !(worst <= most && average <= most_in_the_mean) {
-                return Err(format!("size {size:e}, light {light}: off by {worst:e}, {average:e} in the mean").into());
-            }
+            compare_in([device, cpu], &scene, &receivers, settings)
+                .map_err(|problem| Failed::from(format!("size {size:e}, light {light}: {problem}")))?;
         }
     }
     Ok(())
 }
 
-fn told(error: StrategyError) -> Failed {
-    error.to_string().into()
+/// Holds a strategy on the device to the same on the CPU, in one scene.
+pub(super) fn compare_in(
+    [device, cpu]: [&dyn Strategy; 2],
+    scene: &Scene,
+    receivers: &ReceiverBuffer,
+    settings: &str,
+) -> Result<(), String> {
+    let found = [device, cpu].map(|strategy| shaded(strategy, scene, receivers, settings));
+    let [found, expected] = found;
+    let (found, expected) = (found.map_err(told)?, expected.map_err(told)?);
+    let values = |buffer: &RadianceBuffer| buffer.channels.concat();
+    let (found, expected) = (values(&found), values(&expected));
+    let mean = expected.iter().sum::<f32>() / expected.len() as f32;
+    let off: Vec<f32> = found.iter().zip(&expected).map(|(a, b)| (a - b).abs() / mean).collect();
+    // NaN is larger than any bound.
+    let worst = off.iter().copied().fold(0.0, |a, b| if b <= a { a } else { b });
+    let average = off.iter().sum::<f32>() / off.len() as f32;
+    // A ray that grazes an edge, or the rim of a small sun, may be decided otherwise.
+    let is_by_rays = cpu.info().name == "ray-traced";
+    let [most, most_in_the_mean] = if is_by_rays { [10.0, 1e-3] } else { [TOLERANCE, MEAN_TOLERANCE] };
+    if !(worst <= most && average <= most_in_the_mean) {
+        return Err(format!("off by {worst:e}, {average:e} in the mean"));
+    }
+    Ok(())
+}
+
+fn told(error: StrategyError) -> String {
+    error.to_string()
 }
 
 fn shaded(
@@ -78,7 +90,7 @@ fn shaded(
 }
 
 /// Constant light, a sun, a map in colour with a sun.
-fn environments() -> [Environment; 3] {
+pub(super) fn environments() -> [Environment; 3] {
     let sun =
         Sun { direction: Vec3::new(0.6, 0.48, -0.64), angular_radius: 0.2, radiance: Vec3::new(30.0, 20.0, 10.0) };
     let texel = |i: usize| Vec3::new(1.0 + (i % 7) as f32, (i % 5) as f32, 0.2 * (i % 64) as f32);
@@ -93,7 +105,7 @@ fn environments() -> [Environment; 3] {
 
 /// A ground, and turned, scaled and overlapping bodies of several spheres, of which some cut the ground. All are `size` times
 /// as large as usual, and move.
-fn scene(size: f32, environment: Environment) -> Scene {
+pub(super) fn scene(size: f32, environment: Environment) -> Scene {
     let mesh: Arc<Mesh> = Arc::new(shapes::sphere(12));
     let spheres = (0..12).map(|i| {
         let angle = i as f32 * 0.9;

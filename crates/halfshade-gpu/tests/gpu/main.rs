@@ -4,16 +4,22 @@
 
 mod beside_the_cpu;
 mod few_receivers;
+mod shadow_field;
 mod twins;
 
 use halfshade_gpu::{Choice, Gpu, strategies};
-use halfshade_strategies::{RayTraced, ShExp, Unshadowed};
+use halfshade_scene::Cache;
+use halfshade_strategies::{RayTraced, ShExp, ShadowField, Unshadowed};
 use halfshade_strategy::{
     Params, Strategy,
     contract::{self, Bounds, Violation},
 };
 use libtest_mimic::{Arguments, Failed, Trial};
-use std::{process::ExitCode, sync::Arc};
+use std::{
+    path::Path,
+    process::ExitCode,
+    sync::{Arc, LazyLock},
+};
 
 /// Settings of `sh-exp` that are held to the contract.
 const SH_EXP: [&str; 11] = [
@@ -43,6 +49,24 @@ const SH_EXP_BESIDE: [&str; 5] = [
 /// takes.
 const RAYS: [&str; 3] = ["samples=16,sampling=light", "samples=16,sampling=cosine", "samples=100"];
 
+/// Settings of `shadow-field` that are held to its contract, and those that are compared with the CPU beside them: every
+/// number of bands, which cost seconds of compiling each.
+const FIELDS: &str = "shells=8,resolution=8,map=32";
+const MORE_FIELDS: [&str; 5] = [
+    "shells=6,inner=1,resolution=8,map=16,bands=6",
+    "shells=6,inner=1,resolution=8,map=16,bands=5,storage=f32,sampling=fixed",
+    "shells=6,inner=1,resolution=8,map=16,bands=3,storage=f16,sampling=adaptive-shells",
+    "shells=6,inner=1,resolution=8,map=16,bands=2,storage=f32,own=projected",
+    "shells=6,inner=1,resolution=8,map=16,bands=1,threshold=0.1,inside=blocked",
+];
+
+/// Fields are traced once, however many tests ask for them: the folder is empty when the program starts.
+static CACHE: LazyLock<Cache> = LazyLock::new(|| {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("fields-gpu");
+    let _ = std::fs::remove_dir_all(&folder);
+    Cache::open(Some(folder))
+});
+
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();
     let choice: Choice = std::env::var("HALFSHADE_GPU").unwrap_or_default().parse().unwrap_or_default();
@@ -56,7 +80,7 @@ fn main() -> ExitCode {
         .with_ignored_flag(!is_required),
     ];
     let gpu = gpu.ok().flatten();
-    let on_device: Option<Arc<Strategies>> = gpu.as_ref().map(|gpu| Arc::new(strategies(gpu)));
+    let on_device: Option<Arc<Strategies>> = gpu.as_ref().map(|gpu| Arc::new(strategies(gpu, &CACHE)));
     let mut add = |name: String, test: Box<dyn FnOnce(Arc<Strategies>) -> Result<(), Failed> + Send>| {
         let device = on_device.clone();
         let run = move || device.map_or(Ok(()), test);
@@ -75,13 +99,30 @@ fn main() -> ExitCode {
     let subjects = subjects().into_iter().map(|(strategy, settings, _)| (strategy, settings));
     let others = RAYS.map(|settings| ("ray-traced", settings)).into_iter();
     let others = others.chain(SH_EXP_BESIDE.map(|settings| ("sh-exp", settings)));
+    let others = others.chain(MORE_FIELDS.map(|settings| ("shadow-field", settings)));
     for (strategy, settings) in subjects.chain(others) {
         add(
             format!("{strategy}({settings})::as_on_the_cpu"),
             Box::new(move |all| beside_the_cpu::compare(on(&all, strategy), cpu(strategy).as_ref(), settings)),
         );
     }
-    add("few_receivers".into(), Box::new(|all| few_receivers::compare(&all)));
+    for settings in [FIELDS, MORE_FIELDS[2], MORE_FIELDS[3]] {
+        add(
+            format!("shadow-field({settings})::between_vertices_as_on_the_cpu"),
+            Box::new(move |all| {
+                shadow_field::compare([on(&all, "shadow-field"), cpu("shadow-field").as_ref()], settings)
+            }),
+        );
+    }
+    add(
+        "shadow-field::what_has_no_kernel_is_refused".to_owned(),
+        Box::new(|all| shadow_field::refuses(on(&all, "shadow-field"))),
+    );
+    add(
+        "shadow-field::memory_grows_as_on_the_cpu".to_owned(),
+        Box::new(|all| shadow_field::fills_as_much_memory([on(&all, "shadow-field"), cpu("shadow-field").as_ref()])),
+    );
+    add("few_receivers".to_owned(), Box::new(|all| few_receivers::compare(&all)));
     for (name, test) in twins::TESTS {
         let gpu = gpu.clone();
         let run = move || gpu.map_or(Ok(()), |gpu| test(&gpu));
@@ -98,6 +139,9 @@ fn subjects() -> Vec<(&'static str, &'static str, Bounds)> {
     let noise = Bounds { constant: 1e-4, quadrature: 0.6, gloss: 0.1, rotation: 0.5, brightening: 0.5 };
     let mut subjects = vec![("unshadowed", "", table), ("ray-traced", "samples=64", noise)];
     subjects.extend(SH_EXP.map(|settings| ("sh-exp", settings, ringing)));
+    // Four bands of everything, as on the CPU.
+    let few_bands = Bounds { constant: 0.02, quadrature: 0.5, gloss: 3.0, rotation: 0.1, brightening: 0.2 };
+    subjects.push(("shadow-field", FIELDS, few_bands));
     subjects
 }
 
@@ -128,6 +172,7 @@ fn cpu(name: &str) -> Box<dyn Strategy> {
     match name {
         "unshadowed" => Box::new(Unshadowed),
         "ray-traced" => Box::new(RayTraced),
+        "shadow-field" => Box::new(ShadowField::new(CACHE.clone())),
         _ => Box::new(ShExp),
     }
 }

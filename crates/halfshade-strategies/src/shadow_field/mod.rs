@@ -45,6 +45,7 @@
 //! A receiver between vertices interpolates what its object hides from them. From one that
 //! sees its surface from behind, or that lies nowhere on it, its own object hides nothing. Meshes that deform can't be modelled.
 
+pub mod arrays;
 mod bake;
 mod haar;
 mod kernel;
@@ -58,7 +59,7 @@ use haar::HaarBaked;
 use halfshade_scene::{Cache, Progress, Scene};
 use halfshade_strategy::{Baked, Effect, Effects, Info, Params, Strategy, StrategyError};
 use settings::{Basis, PRESETS, Settings};
-use sh::ShBaked;
+pub use sh::ShBaked;
 
 /// The strategy.
 #[derive(Debug, Clone, Default)]
@@ -97,16 +98,30 @@ impl Strategy for ShadowField {
 
     fn bake(&self, scene: &Scene, params: &Params, progress: &dyn Progress) -> Result<Box<dyn Baked>, StrategyError> {
         let settings = Settings::read(params);
-        let baking = Baking {
+        Ok(match settings.basis {
+            Basis::Sh => Box::new(self.bake_sh(scene, params, progress)?),
+            Basis::Haar => {
+                let fields = HaarFields::bake(&self.baking(&settings), scene, &settings, progress)?;
+                Box::new(HaarBaked::new(fields))
+            }
+        })
+    }
+}
+
+impl ShadowField {
+    /// [`Strategy::bake`] in spherical harmonics, whatever the basis that is asked for: for who reads the arrays of frames.
+    pub fn bake_sh(&self, scene: &Scene, params: &Params, progress: &dyn Progress) -> Result<ShBaked, StrategyError> {
+        let settings = Settings::read(params);
+        Ok(ShBaked::new(ShFields::bake(&self.baking(&settings), scene, &settings, progress)?))
+    }
+
+    fn baking(&self, settings: &Settings) -> Baking<'_> {
+        Baking {
             cache: &self.cache,
             layout: settings.shell_layout(),
             thinning: settings.thinning(),
             source: settings.source(),
             storage: settings.storage,
-        };
-        Ok(match settings.basis {
-            Basis::Sh => Box::new(ShBaked::new(ShFields::bake(&baking, scene, &settings, progress)?)),
-            Basis::Haar => Box::new(HaarBaked::new(HaarFields::bake(&baking, scene, &settings, progress)?)),
-        })
+        }
     }
 }

@@ -12,14 +12,20 @@ use halfshade_scene::Frame;
 use halfshade_strategy::{Baked, Detail, Footprint, Prepared, StrategyError};
 
 /// Fields of a scene, and the last frame that was prepared.
-pub(super) struct ShBaked {
-    fields: ShFields,
-    frame: Option<ShFrame>,
+pub struct ShBaked {
+    pub(super) fields: ShFields,
+    pub(super) frame: Option<ShFrame>,
 }
 
 impl ShBaked {
     pub(super) const fn new(fields: ShFields) -> Self {
         Self { fields, frame: None }
+    }
+}
+
+impl std::fmt::Debug for ShBaked {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("ShBaked").field("bands", &self.fields.bands).finish_non_exhaustive()
     }
 }
 

@@ -65,7 +65,7 @@ impl Context {
         let facts = gpu.facts();
         let kind = if facts.is_software { ", in software on the processor" } else { "" };
         let description = format!("{}, {}{kind}", facts.name, facts.driver);
-        Ok(GraphicsDevice { description, strategies: halfshade_gpu::strategies(&gpu) })
+        Ok(GraphicsDevice { description, strategies: halfshade_gpu::strategies(&gpu, &self.cache) })
     }
 
     /// The graphics device, if any of `devices` is one.

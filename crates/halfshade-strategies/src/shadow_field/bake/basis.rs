@@ -35,7 +35,7 @@ pub(crate) trait Basis: Sync {
 choice! {
     /// How coefficients are stored.
     #[derive(Serialize, Deserialize)]
-    pub(crate) enum Storage {
+    pub enum Storage {
         /// 8 bits, as steps above the smallest value
         U8 = "u8",
         /// 16 bits

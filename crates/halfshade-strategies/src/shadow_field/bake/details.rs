@@ -17,7 +17,7 @@ use std::{f32::consts::FRAC_1_PI, sync::Arc};
 use wide::f32x8;
 
 /// The first object of each mesh.
-fn distinct<S, O>(objects: &[BakedObject<S, O>]) -> impl Iterator<Item = &BakedObject<S, O>> {
+pub(crate) fn distinct<S, O>(objects: &[BakedObject<S, O>]) -> impl Iterator<Item = &BakedObject<S, O>> {
     let is_first = |number: usize, object: &BakedObject<S, O>| {
         !objects[..number].iter().any(|other| Arc::ptr_eq(&other.occlusion, &object.occlusion))
     };

@@ -20,10 +20,10 @@ pub(crate) struct Field<S> {
     /// Radius of the object's bounding sphere.
     pub(crate) radius: f32,
     /// Radii of the shells, from 0, in radii of the object.
-    radii: Vec<f32>,
-    shells: Vec<S>,
+    pub(crate) radii: Vec<f32>,
+    pub(crate) shells: Vec<S>,
     /// By distance from the centre in steps of the finest spacing, the next shell outward.
-    outer: Vec<u8>,
+    pub(crate) outer: Vec<u8>,
     /// How the shells lay before some were left out.
     pub(crate) layout: ShellLayout,
 }

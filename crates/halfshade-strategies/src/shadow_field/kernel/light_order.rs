@@ -6,10 +6,12 @@ use wide::f32x8;
 
 /// How much of an object lies within a light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Containment {
+pub enum Containment {
     /// Not even its centre.
     Outside,
+    /// Its centre, but not all of it.
     Center,
+    /// All of it.
     Whole,
 }
 

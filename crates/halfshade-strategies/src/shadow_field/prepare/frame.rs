@@ -23,25 +23,30 @@ pub(crate) struct FrameData {
 
 /// Where an object is in this frame.
 #[derive(Debug, Clone)]
-pub(crate) struct ObjectPlacement {
+pub struct ObjectPlacement {
     /// Centre of its bounding sphere in light space.
-    pub(crate) center: [f32; 3],
+    pub center: [f32; 3],
     /// Object space from light space, row by row, without the scale.
-    pub(crate) object_from_light: [[f32; 3]; 3],
-    pub(crate) inverse_scale: f32,
-    /// Radius of its bounding sphere in the world, and 1 over it.
-    pub(crate) radius: f32,
-    pub(crate) inverse_radius: f32,
+    pub object_from_light: [[f32; 3]; 3],
+    /// 1 over the object's scale.
+    pub inverse_scale: f32,
+    /// Radius of its bounding sphere in the world.
+    pub radius: f32,
+    /// 1 over that radius.
+    pub inverse_radius: f32,
 }
 
 /// A local light in light space.
 #[derive(Debug, Clone)]
-pub(crate) struct LocalLight {
-    pub(crate) center: [f32; 3],
-    pub(crate) radius: f32,
-    pub(crate) radiance: [f32; 3],
+pub struct LocalLight {
+    /// Centre.
+    pub center: [f32; 3],
+    /// Radius, in world units.
+    pub radius: f32,
+    /// Radiance of its surface, by channel.
+    pub radiance: [f32; 3],
     /// Per object how much of it lies within the light.
-    pub(crate) holds: Vec<Containment>,
+    pub holds: Vec<Containment>,
 }
 
 impl FrameData {

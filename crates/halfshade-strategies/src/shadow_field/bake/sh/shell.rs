@@ -10,15 +10,16 @@ use crate::shadow_field::{
 #[derive(Debug)]
 pub(crate) struct ShShell {
     resolution: usize,
-    values: Values,
+    pub(crate) values: Values,
     /// Per coefficient the smallest value and the step [Tamura2006, 5.1]; 0 and 1 unless in 8 bits. As many as a sample has
     /// in memory: whole vector registers.
-    least: Vec<f32>,
-    step: Vec<f32>,
+    pub(crate) least: Vec<f32>,
+    pub(crate) step: Vec<f32>,
 }
 
+/// Coefficients as they are stored, sample by sample.
 #[derive(Debug)]
-enum Values {
+pub(crate) enum Values {
     U8(Vec<u8>),
     F16(Vec<half::f16>),
     F32(Vec<f32>),
