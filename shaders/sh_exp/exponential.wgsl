@@ -10,7 +10,7 @@ const SERIES = 0u;
 const QUADRATIC = 1u;
 const LINEAR = 2u;
 
-// Of shadows and of reflections: the method, its powers, the magnitude at which squaring starts (negative: never).
+// Settings of shadows and of reflections: the method, its powers, the magnitude at which squaring starts (negative: never).
 override METHOD: u32 = LINEAR;
 override TERMS: u32 = 9u;
 override MAGNITUDE_LIMIT: f32 = 0.5;

@@ -33,7 +33,7 @@ struct Frame {
     sun_direction: vec4f,
     // Reflected radiance of a white surface that faces the sun; its sine of the angular radius.
     sun_perpendicular: vec4f,
-    // Of shadows and of reflections.
+    // Tables of shadows and of reflections.
     shadow_table: LinearTable,
     reflection_table: LinearTable,
     // Rows of `tables` at which there begin: the light by normal, the sun's basis, logarithms by angular radius, form factors.

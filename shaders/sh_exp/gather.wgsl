@@ -68,7 +68,7 @@ fn inserted(list: Nearest, key: f32, place: u32) -> Nearest {
     );
 }
 
-// What a sphere radiates to a receiver that sees it like this: L̃ [Guerrero2007, eq. 4.25].
+// Radiance that a sphere sends to a receiver that sees it like this: L̃ [Guerrero2007, eq. 4.25].
 fn radiated(blocker: Blocker, basis: Sh, sine: f32) -> vec3f {
     let at = clamp(sine, 0.0, 1.0) * FORM_INTERVALS;
     let interval = min(floor(at), FORM_INTERVALS - 1.0);

@@ -69,7 +69,7 @@ pub(crate) struct DeviceBuffer {
 }
 
 impl DeviceBuffer {
-    /// What kernels see; of an empty array some element, since there is no empty binding.
+    /// The part that kernels see; of an empty array some element, since there is no empty binding.
     pub(crate) fn binding(&self) -> wgpu::BindingResource<'_> {
         let size = NonZeroU64::new(self.asked.next_multiple_of(4));
         wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer: &self.buffer, offset: 0, size })

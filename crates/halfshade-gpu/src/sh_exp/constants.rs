@@ -21,7 +21,7 @@ pub(super) fn missing(arrays: &SceneArrays<'_>) -> Option<&'static str> {
     (arrays.bands > MAX_WGSL_BANDS).then_some("more than 6 bands; take fewer, or device `cpu`")
 }
 
-/// Of receivers, and of sample points in the dark.
+/// Those of receivers, and of sample points in the dark.
 pub(super) fn constants(arrays: &SceneArrays<'_>) -> [Constants; 2] {
     let (rule, full_height) = match arrays.rule {
         AdjustRule::Continuous => (0.0, FADE_HEIGHT),

@@ -81,7 +81,7 @@ fn rows(values: &[f64]) -> Vec<[f32; 4]> {
     values.chunks(4).map(|four| std::array::from_fn(|k| four.get(k).copied().unwrap_or(0.0) as f32)).collect()
 }
 
-/// What single precision makes of a number.
+/// The number that single precision makes of a number.
 fn single(value: f64) -> f64 {
     f64::from(value as f32)
 }
