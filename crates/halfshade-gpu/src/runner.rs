@@ -88,6 +88,10 @@ impl Runner {
         })
     }
 
+    pub(crate) fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
     /// Shades a frame in as many dispatches as there are `parts`, one after another.
     pub(crate) fn set_parts(&mut self, parts: &[[u32; 4]]) -> Result<(), GpuError> {
         self.parts.clear();

@@ -8,10 +8,12 @@ pub(crate) mod tables;
 use crate::{
     GpuError,
     kernels::SH_EXP,
+    receivers::{KernelSpace, affine_rows},
     runner::{Bench, Runner, Uploaded},
 };
 use constants::{Constants, constants, missing};
 use first_pass::{DeviceFirstPass, Kernels};
+use glam::DVec3;
 use halfshade_scene::{Frame, Progress, Receivers, Scene};
 use halfshade_strategies::{
     ShExp,
@@ -19,6 +21,12 @@ use halfshade_strategies::{
 };
 use halfshade_strategy::{Baked, Footprint, Info, Params, Prepared, Strategy, StrategyError};
 use tables::{FrameUniforms, Tables};
+
+/// Places of the kernel's buffers in group 1.
+const BLOCKERS: usize = 1;
+const NUMBERS: usize = 2;
+const TABLES: usize = 3;
+const RADIATING: usize = 4;
 
 /// [`ShExp`], whose receivers are shaded on the device.
 #[derive(Debug)]
@@ -100,51 +108,55 @@ impl Baked for BakedOnGpu {
 
 impl BakedOnGpu {
     fn prepare_on_device(&mut self, frame: &Frame<'_>) -> Result<(), GpuError> {
-        let Self { bench, baked, runner, constants, first_pass, uniforms, light_channels, light_changes } = self;
+        let Self { baked, runner, .. } = self;
         let (scene, of_frame) = (baked.scene_arrays(), baked.frame_arrays());
-        frame::check_rounds(&bench.gpu, &scene, baked.cuts().map(<[_]>::len).max().unwrap_or(0))?;
+        frame::check_rounds(runner.gpu(), &scene, baked.cuts().map(<[_]>::len).max().unwrap_or(0))?;
         let space = frame::space(baked, &of_frame);
-        let changes = Some(of_frame.light_changes);
-        if *light_changes != changes {
+        if self.light_changes != Some(of_frame.light_changes) {
             let tables = Tables::new(&scene, &of_frame);
-            (*uniforms, *light_channels) = (tables.uniforms, tables.light_channels);
-            runner.write(3, &tables.rows)?;
-            *light_changes = changes;
+            runner.write(TABLES, &tables.rows)?;
+            (self.uniforms, self.light_channels) = (tables.uniforms, tables.light_channels);
+            self.light_changes = Some(of_frame.light_changes);
         }
-        runner.write(1, &frame::blockers(baked, &space))?;
+        runner.write(BLOCKERS, &frame::blockers(baked, &space))?;
         let channels =
             scene.reflections.map_or(0, |reflections| if of_frame.is_grey { reflections.surface_channels } else { 3 });
         let has_sun = u32::from(of_frame.light.sun.as_ref().is_some_and(|sun| sun.sin_radius > 0.0));
-        let counts = [*light_channels, channels as u32, frame::ground_rows(&scene, &of_frame), has_sun];
+        let counts = [self.light_channels, channels as u32, frame::ground_rows(&scene, &of_frame), has_sun];
         let (numbers, masks) = frame::numbers(baked, &scene, counts);
-        runner.write(2, &numbers)?;
-        uniforms.masks = masks;
-        uniforms.share_space = crate::receivers::affine_rows(of_frame.blockers_from_light, glam::DVec3::ZERO);
+        runner.write(NUMBERS, &numbers)?;
+        self.uniforms.masks = masks;
+        self.uniforms.share_space = affine_rows(of_frame.blockers_from_light, DVec3::ZERO);
         runner.place_objects(frame, &space)?;
-        if let Some(reflections) = scene.reflections.as_ref().filter(|_| baked.first_pass() == FirstPass::Elsewhere) {
-            let pass = match first_pass {
-                Some(known) => known,
-                None => {
-                    let [lit, dark] = &*constants;
-                    let kernels = Kernels { bands: scene.bands, dark, lit };
-                    first_pass.insert(DeviceFirstPass::new(bench, &kernels, baked, reflections, frame)?)
-                }
-            };
-            pass.prepare(reflections, &of_frame, frame, &space, channels)?;
-            runner.reserve(4, pass.sphere_count() * channels * frame::rows_of(scene.bands) * 16)?;
+        if baked.first_pass() == FirstPass::Here || scene.reflections.is_none() {
+            let radiating = frame::radiating(&scene, &of_frame, &space, &mut self.uniforms);
+            runner.write(RADIATING, &radiating)?;
         } else {
-            let radiating = frame::radiating(&scene, &of_frame, &space, uniforms);
-            runner.write(4, &radiating)?;
+            self.prepare_first_pass(frame, &space, channels)?;
         }
-        runner.write_uniforms(uniforms);
-        let is_new = runner.upload()?;
-        let passes = match (first_pass, runner.buffer(4)) {
-            (Some(pass), Some(radiance)) => pass.passes(runner, radiance, is_new),
-            _ => None,
-        };
-        if let Some(passes) = passes {
-            runner.run_before(passes);
+        self.runner.write_uniforms(&self.uniforms);
+        let is_new = self.runner.upload()?;
+        if let Some((pass, radiance)) = self.first_pass.as_mut().zip(self.runner.buffer(RADIATING))
+            && let Some(passes) = pass.passes(&self.runner, radiance, is_new)
+        {
+            self.runner.run_before(passes);
         }
         Ok(())
+    }
+
+    /// Brings sample points up to a frame, and makes room for what spheres radiate in so many channels.
+    fn prepare_first_pass(&mut self, frame: &Frame<'_>, space: &KernelSpace, channels: usize) -> Result<(), GpuError> {
+        let (scene, of_frame) = (self.baked.scene_arrays(), self.baked.frame_arrays());
+        let Some(reflections) = &scene.reflections else { return Ok(()) };
+        let pass = match &mut self.first_pass {
+            Some(known) => known,
+            none => {
+                let [lit, dark] = &self.constants;
+                let kernels = Kernels { bands: scene.bands, dark, lit };
+                none.insert(DeviceFirstPass::new(&self.bench, &kernels, &self.baked, reflections, frame)?)
+            }
+        };
+        pass.prepare(reflections, &of_frame, frame, space, channels)?;
+        self.runner.reserve(RADIATING, pass.sphere_count() * channels * frame::rows_of(scene.bands) * 16)
     }
 }

@@ -3,6 +3,7 @@
 //! Without a device all of these report themselves ignored; with `HALFSHADE_REQUIRE_GPU=1` that is a failure.
 
 mod beside_the_cpu;
+mod clocks;
 mod few_receivers;
 mod shadow_field;
 mod twins;
@@ -122,6 +123,7 @@ fn main() -> ExitCode {
         "shadow-field::memory_grows_as_on_the_cpu".to_owned(),
         Box::new(|all| shadow_field::fills_as_much_memory([on(&all, "shadow-field"), cpu("shadow-field").as_ref()])),
     );
+    add("clocks".to_owned(), Box::new(|all| clocks::compare(&all)));
     add("few_receivers".to_owned(), Box::new(|all| few_receivers::compare(&all)));
     for (name, test) in twins::TESTS {
         let gpu = gpu.clone();

@@ -10,7 +10,7 @@ use halfshade_scene::{
     progress::Silent,
 };
 use halfshade_strategies::sh_exp::ShExp;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 fn ball(center: Vec3, radius: f32, albedo: Vec3) -> Object {
     let set = SphereSet { spheres: vec![Sphere { center: Vec3::ZERO, radius: 1.0 }], ..SphereSet::default() };
@@ -109,21 +109,22 @@ fn a_ball_over_wide_ground_sees_it_instead_of_the_sky_below() {
     }
 }
 
-fn crowded() -> Scene {
+/// Its spheres are built once for all tests.
+static CROWDED: LazyLock<Scene> = LazyLock::new(|| {
     let mut scene = builtin::scene("vases").unwrap();
     scene.build_spheres(&Cache::disabled(), &Silent).unwrap();
     Scene { bounces: 1, ..scene }
-}
+});
 
 /// The running sum less the neighbours is the sum over all others: rounding alone is between them.
 #[test]
 fn linear_and_quadratic_walks_agree() {
-    let scene = crowded();
+    let scene = &*CROWDED;
     let frame = scene.frame(7);
     let receivers = ReceiverBuffer::vertices(&frame);
     for settings in ["", "intersections=precomputed", "order=power", "reflection-exp=hybrid", "bands=3", "bands=6"] {
-        let linear = shade(&scene, &frame, &receivers, &format!("walk=linear,{settings}"));
-        let quadratic = shade(&scene, &frame, &receivers, &format!("walk=quadratic,{settings}"));
+        let linear = shade(scene, &frame, &receivers, &format!("walk=linear,{settings}"));
+        let quadratic = shade(scene, &frame, &receivers, &format!("walk=quadratic,{settings}"));
         let difference = largest_difference(&linear, &quadratic);
         assert!(difference < 1e-4, "{settings}: {difference}");
     }
@@ -190,14 +191,14 @@ fn border_step(fine: &RadianceBuffer, coarse: &RadianceBuffer) -> f32 {
 /// A threshold of 0 leaves the leaves; coarser levels step at the borders of clusters, and ratios take most of it away.
 #[test]
 fn ratios_hide_the_borders_of_clusters() {
-    let scene = crowded();
+    let scene = &*CROWDED;
     let frame = scene.frame(0);
     let vertices = ReceiverBuffer::vertices(&frame);
-    let leaves = shade(&scene, &frame, &vertices, "");
-    assert_eq!(leaves, shade(&scene, &frame, &vertices, "levels=cluster,cut-angle=0"));
+    let leaves = shade(scene, &frame, &vertices, "");
+    assert_eq!(leaves, shade(scene, &frame, &vertices, "levels=cluster,cut-angle=0"));
     let receivers = rows();
     for (levels, bounces) in [("cluster", 0), ("cluster", 1), ("tree", 0)] {
-        let of = |settings: &str| shade(&scene, &frame, &receivers, &format!("bounces={bounces},{settings}"));
+        let of = |settings: &str| shade(scene, &frame, &receivers, &format!("bounces={bounces},{settings}"));
         let fine = of("");
         let step =
             |ratios| border_step(&fine, &of(&format!("levels={levels},cut-angle=25,branching=2,ratios={ratios}")));
@@ -211,12 +212,12 @@ fn ratios_hide_the_borders_of_clusters() {
 /// their centres inside and normals all around, either does harm or none: the default does without.
 #[test]
 fn ratios_of_reflections_were_decided_by_experiment() {
-    let scene = crowded();
+    let scene = &*CROWDED;
     let frame = scene.frame(0);
     let vertices = ReceiverBuffer::vertices(&frame);
     let reflected = |settings: &str| -> Vec<Vec3> {
         let [all, shadows] =
-            ["", "bounces=0,"].map(|bounces| shade(&scene, &frame, &vertices, &format!("{bounces}{settings}")));
+            ["", "bounces=0,"].map(|bounces| shade(scene, &frame, &vertices, &format!("{bounces}{settings}")));
         (0..all.len()).map(|i| all.at(i) - shadows.at(i)).collect()
     };
     let fine = reflected("");
