@@ -21,7 +21,9 @@ pub(super) fn legend<B: DrawingBackend>(
     let style = || (FAMILY, px(14)).into_font().color(&RGBColor(30, 30, 30)).pos(Pos::new(HPos::Left, VPos::Center));
     let mut y = px(60);
     let mut numbers: Vec<String> = Vec::new();
-    for series in series {
+    // The lighter ones are told of together.
+    let is_listed = |own: &&Series| own.name == own.kind || series.iter().all(|other| other.name != own.kind);
+    for series in series.iter().filter(is_listed) {
         area.draw(&PathElement::new(vec![(px(4), y), (px(34), y)], series.color.mix(0.55).stroke_width(2 * scale)))
             .map_err(text)?;
         let (inside, outline) = mark(series.mark, series.color, true, scale);
@@ -43,6 +45,11 @@ pub(super) fn legend<B: DrawingBackend>(
     area.draw(&PathElement::new(vec![(px(4), y), (px(34), y)], RGBColor(170, 170, 170).stroke_width(4 * scale)))
         .map_err(text)?;
     area.draw(&Text::new("Pareto front", (px(44), y), style())).map_err(text)?;
+    if let Some(other) = series.iter().find(|series| !is_listed(series)) {
+        y += px(24);
+        let device = other.name.trim_start_matches(&other.kind);
+        area.draw(&Text::new(format!("lighter: the same{device}"), (px(44), y), style())).map_err(text)?;
+    }
     if series.iter().flat_map(|series| &series.points).any(|point| !point.resolved) {
         y += px(24);
         area.draw(&Circle::new((px(19), y), px(5), BLACK.stroke_width(scale))).map_err(text)?;

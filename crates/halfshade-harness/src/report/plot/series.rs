@@ -3,6 +3,7 @@
 use super::{super::groups::runs_of, style::PALETTE};
 use crate::results::{Results, Run};
 use plotters::style::RGBColor;
+use std::collections::BTreeSet;
 
 /// One measured run.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,10 +17,12 @@ pub(super) struct Point {
     pub(super) numbers: String,
 }
 
-/// Runs of one strategy that differ in numbers only.
+/// Runs of one strategy on one device that differ in numbers only.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Series {
     pub(super) name: String,
+    /// The name without its device.
+    pub(super) kind: String,
     /// Meaning of the numbers at its points.
     pub(super) numbers: String,
     pub(super) color: RGBColor,
@@ -52,8 +55,9 @@ pub(super) fn series(results: &Results, scene: &str, frame: usize, receivers: &s
             })
             .map(|(key, _)| key.as_str())
             .collect();
-        let name =
+        let kind =
             if words.is_empty() { run.strategy.clone() } else { format!("{} {}", run.strategy, words.join(" ")) };
+        let name = if run.device.is_cpu() { kind.clone() } else { format!("{kind} on {}", run.device) };
         let (Some(error), Some(truth), Some(time)) = (&run.error, &run.truth, &run.time) else { continue };
         let (m, scale) = (&error.metrics, truth.unshadowed_mean);
         if scale.is_nan() || scale <= 0.0 {
@@ -76,10 +80,15 @@ pub(super) fn series(results: &Results, scene: &str, frame: usize, receivers: &s
             Some(series) => series.points.push(point),
             None => {
                 let place = results.strategies.iter().position(|strategy| *strategy == run.strategy).unwrap_or(0);
-                let mark = all.iter().filter(|series| series.name.split(' ').next() == Some(&run.strategy)).count();
+                let kinds: BTreeSet<&str> = (all.iter().map(|series| series.kind.as_str()))
+                    .filter(|kind| kind.split(' ').next() == Some(&run.strategy))
+                    .collect();
+                let known = all.iter().find(|series| series.kind == kind).map(|series| series.mark);
+                let mark = known.unwrap_or(kinds.len());
                 let color = PALETTE[place % PALETTE.len()];
+                let color = if run.device.is_cpu() { color } else { lighter(color) };
                 let numbers = varying.join(", ");
-                all.push(Series { name, numbers, color, mark, points: vec![point] });
+                all.push(Series { name, kind, numbers, color, mark, points: vec![point] });
             }
         }
     }
@@ -87,6 +96,12 @@ pub(super) fn series(results: &Results, scene: &str, frame: usize, receivers: &s
         series.points.sort_by(|a, b| a.frame_ms.total_cmp(&b.frame_ms));
     }
     all
+}
+
+/// The colour of a strategy on a graphics device.
+fn lighter(RGBColor(r, g, b): RGBColor) -> RGBColor {
+    let [r, g, b] = [r, g, b].map(|value| value + (255 - value) / 2);
+    RGBColor(r, g, b)
 }
 
 /// Points that no other beats in both time and error, in the order of time.
@@ -108,7 +123,7 @@ pub(super) fn pareto_front(series: &[Series]) -> Vec<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::tests::example;
+    use crate::{Device, results::tests::example};
     use plotters::style::BLACK;
 
     #[test]
@@ -122,7 +137,14 @@ mod tests {
             numbers: String::new(),
         };
         let front = |points| {
-            pareto_front(&[Series { name: String::new(), numbers: String::new(), color: BLACK, mark: 0, points }])
+            pareto_front(&[Series {
+                name: String::new(),
+                kind: String::new(),
+                numbers: String::new(),
+                color: BLACK,
+                mark: 0,
+                points,
+            }])
         };
         let points = vec![point(1.0, 0.5), point(2.0, 0.6), point(3.0, 0.1), point(3.0, 0.2), point(4.0, 0.1)];
         assert_eq!(front(points), [(1.0, 0.5), (3.0, 0.1)]);
@@ -145,5 +167,17 @@ mod tests {
         assert_eq!(series[0].points[1].numbers, "6");
         assert_eq!(series[0].color, series[2].color);
         assert_ne!((series[0].mark, series[0].color), (series[2].mark, series[1].color));
+    }
+
+    /// The same on a graphics device is another series, with the same mark in a lighter colour.
+    #[test]
+    fn devices_part_a_series() {
+        let mut results = example();
+        let on_device = Run { device: Device::Gpu, ..results.runs[0].clone() };
+        results.runs.push(on_device);
+        let series = series(&results, "vases", 0, "vertices");
+        let shown: Vec<(&str, usize)> = series.iter().map(|s| (s.name.as_str(), s.mark)).collect();
+        assert_eq!(shown, [("fast", 0), ("exact", 0), ("fast on gpu", 0)]);
+        assert_ne!(series[0].color, series[2].color);
     }
 }
