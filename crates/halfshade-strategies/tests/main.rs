@@ -1,6 +1,7 @@
 //! Tests of each method in a folder of its own, and of what holds across methods, as one program: linking is slow.
 
 mod across_methods;
+mod built_scenes;
 mod cached_fields;
 mod common;
 mod cosine_lobe;

@@ -1,19 +1,14 @@
 //! Objects that a skeleton deforms: strategies and the truth against what is the same without one.
 
-use crate::common;
-use glam::{Affine3A, Vec3};
-use halfshade_scene::{
-    Cache, Frame, Joint, Object, Pose, RadianceBuffer, ReceiverBuffer, Scene, Skin, builtin, progress::Silent,
+use crate::{
+    built_scenes::{HAND, VASES},
+    common,
 };
+use glam::{Affine3A, Vec3};
+use halfshade_scene::{Frame, Joint, Object, Pose, RadianceBuffer, ReceiverBuffer, Scene, Skin, progress::Silent};
 use halfshade_strategies::{ray_traced::RayTraced, sh_exp::ShExp};
 use halfshade_strategy::Strategy;
 use halfshade_truth::{Geometry, Options, Tracer, estimate};
-
-fn built(name: &str, bounces: usize) -> Scene {
-    let mut scene = builtin::scene(name).unwrap();
-    scene.build_spheres(&Cache::disabled(), &Silent).unwrap();
-    Scene { bounces, ..scene }
-}
 
 /// The same scene, in which every object stays and a skeleton of one joint moves its mesh.
 fn by_skeletons(scene: &Scene) -> Scene {
@@ -43,8 +38,8 @@ fn differences(a: &RadianceBuffer, b: &RadianceBuffer) -> (f64, f64) {
 
 #[test]
 fn one_joint_moves_an_object_as_its_pose_does() {
-    let posed = built("vases", 1);
-    let skinned = by_skeletons(&posed);
+    let posed = &*VASES;
+    let skinned = by_skeletons(posed);
     let frames = [posed.frame(40), skinned.frame(40)];
     for settings in ["", "intersections=precomputed,projection=product", "levels=cluster,branching=2,cut-angle=25"] {
         let [a, b] = frames.each_ref().map(|frame| shade(&ShExp, frame.scene, frame, settings));
@@ -73,7 +68,7 @@ fn one_joint_moves_an_object_as_its_pose_does() {
 /// Against the truth over the same spheres, a bent hand is shaded as well as an open one; and what doesn't follow isn't.
 #[test]
 fn a_bent_hand_is_shaded_as_well_as_an_open_one() {
-    let scene = built("hand", 1);
+    let scene = &*HAND;
     let error = |index: usize, blockers_at: usize| {
         let frame = scene.frame(index);
         let all = ReceiverBuffer::vertices(&frame);
@@ -83,7 +78,7 @@ fn a_bent_hand_is_shaded_as_well_as_an_open_one() {
         let options = Options { samples: 256, bounces: 1, geometry, ..Options::default() };
         let truth = estimate(&Tracer::new(&frame), receivers.view(), &options, &Silent);
         let shape_of_another = Frame { deformed: scene.frame(blockers_at).deformed, ..scene.frame(index) };
-        let radiance = common::shaded(&ShExp, &scene, &shape_of_another, &receivers, "");
+        let radiance = common::shaded(&ShExp, scene, &shape_of_another, &receivers, "");
         differences(&radiance, &truth.radiance).0 / truth.unshadowed_mean
     };
     let (open, bent, left_behind) = (error(0, 0), error(60, 60), error(60, 0));
@@ -92,9 +87,9 @@ fn a_bent_hand_is_shaded_as_well_as_an_open_one() {
 
 #[test]
 fn at_rest_in_a_frame_of_its_own_nothing_is_prepared_again() {
-    let scene = built("hand", 1);
+    let scene = &*HAND;
     let receivers = ReceiverBuffer::vertices(&scene.frame(60));
-    let mut baked = common::baked(&ShExp, &scene, "");
+    let mut baked = common::baked(&ShExp, scene, "");
     let mut shade = |frame: &Frame<'_>| common::shade(baked.as_mut(), frame, &receivers);
     let first = shade(&scene.frame(60));
     assert_ne!(first, shade(&scene.frame(20)));

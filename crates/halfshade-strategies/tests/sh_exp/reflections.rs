@@ -1,16 +1,14 @@
 //! Reflections of SH exponentiation against closed forms, and its variants against each other.
 
-use crate::common::shaded;
+use crate::{built_scenes::VASES, common::shaded};
 use glam::{Quat, Vec3};
 use halfshade_scene::{
-    Cache, Environment, Frame, Material, Motion, Object, Pose, RadianceBuffer, ReceiverBuffer, Scene, Sphere,
-    SphereSet,
-    builtin::{self, shapes},
+    Environment, Frame, Material, Motion, Object, Pose, RadianceBuffer, ReceiverBuffer, Scene, Sphere, SphereSet,
+    builtin::shapes,
     light::{EnvironmentMap, Sun},
-    progress::Silent,
 };
 use halfshade_strategies::sh_exp::ShExp;
-use std::sync::{Arc, LazyLock};
+use std::sync::Arc;
 
 fn ball(center: Vec3, radius: f32, albedo: Vec3) -> Object {
     let set = SphereSet { spheres: vec![Sphere { center: Vec3::ZERO, radius: 1.0 }], ..SphereSet::default() };
@@ -109,17 +107,10 @@ fn a_ball_over_wide_ground_sees_it_instead_of_the_sky_below() {
     }
 }
 
-/// Its spheres are built once for all tests.
-static CROWDED: LazyLock<Scene> = LazyLock::new(|| {
-    let mut scene = builtin::scene("vases").unwrap();
-    scene.build_spheres(&Cache::disabled(), &Silent).unwrap();
-    Scene { bounces: 1, ..scene }
-});
-
 /// The running sum less the neighbours is the sum over all others: rounding alone is between them.
 #[test]
 fn linear_and_quadratic_walks_agree() {
-    let scene = &*CROWDED;
+    let scene = &*VASES;
     let frame = scene.frame(7);
     let receivers = ReceiverBuffer::vertices(&frame);
     for settings in ["", "intersections=precomputed", "order=power", "reflection-exp=hybrid", "bands=3", "bands=6"] {
@@ -191,7 +182,7 @@ fn border_step(fine: &RadianceBuffer, coarse: &RadianceBuffer) -> f32 {
 /// A threshold of 0 leaves the leaves; coarser levels step at the borders of clusters, and ratios take most of it away.
 #[test]
 fn ratios_hide_the_borders_of_clusters() {
-    let scene = &*CROWDED;
+    let scene = &*VASES;
     let frame = scene.frame(0);
     let vertices = ReceiverBuffer::vertices(&frame);
     let leaves = shade(scene, &frame, &vertices, "");
@@ -212,7 +203,7 @@ fn ratios_hide_the_borders_of_clusters() {
 /// their centres inside and normals all around, either does harm or none: the default does without.
 #[test]
 fn ratios_of_reflections_were_decided_by_experiment() {
-    let scene = &*CROWDED;
+    let scene = &*VASES;
     let frame = scene.frame(0);
     let vertices = ReceiverBuffer::vertices(&frame);
     let reflected = |settings: &str| -> Vec<Vec3> {
