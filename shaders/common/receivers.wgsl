@@ -23,7 +23,7 @@ struct Place {
 }
 
 @group(0) @binding(0) var<storage, read> places: array<Place>;
-// Albedo, channel by channel.
+// Albedo, channel by channel; where anything is glossy then factors of gloss: of scales by channel, of exponents.
 @group(0) @binding(1) var<storage, read> albedos: array<f32>;
 @group(0) @binding(2) var<storage, read> placements: array<Placement>;
 // Outgoing radiance, channel by channel.
@@ -37,23 +37,35 @@ fn receiver_at(number: u32) -> Receiver {
     let place = places[number];
     let rows = placements[place.object].position;
     let point = vec4f(place.position, 1.0);
-    let turned = placements[place.object].direction;
-    let normal = place.normal;
     return Receiver(
         vec3f(dot(rows[0], point), dot(rows[1], point), dot(rows[2], point)),
-        vec3f(dot(turned[0].xyz, normal), dot(turned[1].xyz, normal), dot(turned[2].xyz, normal)),
+        out_of_object(place.object, place.normal),
         place.object,
         place.group,
     );
 }
 
+// A direction that is given in the space of an object.
+fn out_of_object(object: u32, direction: vec3f) -> vec3f {
+    let rows = placements[object].direction;
+    return vec3f(dot(rows[0].xyz, direction), dot(rows[1].xyz, direction), dot(rows[2].xyz, direction));
+}
+
+fn albedo_of(number: u32) -> vec3f {
+    let count = receiver_count();
+    return vec3f(albedos[number], albedos[count + number], albedos[2u * count + number]);
+}
+
+// Factors by which a receiver's gloss differs from its material: of scales, and last of exponents.
+fn gloss_of(number: u32) -> vec4f {
+    let count = receiver_count();
+    let first = 3u * count + number;
+    return vec4f(albedos[first], albedos[first + count], albedos[first + 2u * count], albedos[first + 3u * count]);
+}
+
 // Adds to the light that a receiver reflects, or begins with it; `white` is what it would add if it were white.
 fn accumulate(number: u32, white: vec3f, is_first: bool) {
-    let count = receiver_count();
-    for (var channel = 0u; channel < 3u; channel++) {
-        let place = channel * count + number;
-        radiances[place] = select(radiances[place], 0.0, is_first) + white[channel] * albedos[place];
-    }
+    add_radiance(number, white * albedo_of(number), is_first);
 }
 
 // Writes the light that a receiver reflects.
@@ -61,10 +73,11 @@ fn reflect(number: u32, white: vec3f) {
     accumulate(number, white, true);
 }
 
-// Adds light that a receiver sends out beside that.
-fn add_radiance(number: u32, radiance: vec3f) {
+// Adds to the light that a receiver sends out, or begins with it.
+fn add_radiance(number: u32, radiance: vec3f, is_first: bool) {
     let count = receiver_count();
     for (var channel = 0u; channel < 3u; channel++) {
-        radiances[channel * count + number] += radiance[channel];
+        let place = channel * count + number;
+        radiances[place] = select(radiances[place], 0.0, is_first) + radiance[channel];
     }
 }

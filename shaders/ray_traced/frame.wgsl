@@ -8,6 +8,7 @@ struct Frame {
     // Direction to the sun's centre in the environment, and 1 - cos of its angular radius; negative without a sun.
     sun: vec4f,
     sun_radiance: vec4f,
+    eye: vec4f,
     // Steps of the points in two and in three dimensions.
     plane_steps: vec4u,
     space_steps: vec4u,
@@ -21,14 +22,15 @@ struct Frame {
     // Columns and rows of the map; 0 without one.
     map_width: u32,
     map_height: u32,
-    // Rows of `rows` at which there begin: objects, lights, texels, alias numbers.
+    // Rows of `rows` at which there begin: objects, lights, what stays, texels, alias numbers.
     instances: u32,
     instance_count: u32,
     lights: u32,
     light_count: u32,
+    tables: u32,
     texels: u32,
     aliases: u32,
-    padding: vec2u,
+    padding: u32,
 }
 
 // The boxes of two children; see `halfshade_gpu::hierarchy`.
@@ -44,9 +46,13 @@ struct Node {
 }
 
 struct Triangle {
-    a: vec4f,
-    b: vec4f,
-    c: vec4f,
+    a: vec3f,
+    // Row, of those that stay, at which its holes begin; 0 if it is whole.
+    holes: u32,
+    b: vec3f,
+    padding: u32,
+    c: vec3f,
+    more_padding: u32,
 }
 
 // In storage: numbers of a uniform that decide branches Mesa's driver in software compiles into the kernel, with every dispatch.
@@ -54,4 +60,6 @@ struct Triangle {
 // First the hierarchy over objects, then those of meshes.
 @group(1) @binding(1) var<storage, read> nodes: array<Node>;
 @group(1) @binding(2) var<storage, read> triangles: array<Triangle>;
+// First what changes with every frame. What stays begins with a row per object, and one for what lies on none: the row, of
+// those that stay, at which the terms of its reflectance begin, and how many they are.
 @group(1) @binding(3) var<storage, read> rows: array<vec4u>;

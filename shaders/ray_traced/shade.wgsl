@@ -2,6 +2,7 @@
 #import "common/receivers.wgsl"
 #import "ray_traced/light.wgsl"
 #import "ray_traced/random.wgsl"
+#import "ray_traced/reflector.wgsl"
 #import "ray_traced/traverse.wgsl"
 
 // Where rays of a receiver start.
@@ -48,8 +49,35 @@ fn seen_radiance(lane: u32, start: Start, receiver: Receiver, direction: vec3f) 
 
 override SAMPLES_AT_ONCE: u32 = 64u;
 
-// Sum over the samples of this dispatch.
-fn shaded(lane: u32, placed: Receiver) -> vec3f {
+// Direction of a sample.
+fn drawn_direction(
+    receiver: Receiver,
+    reflector: ptr<function, Reflector>,
+    power: f32,
+    shifts: Shifts,
+    number: u32,
+) -> vec3f {
+    let share = frame.cosine_share;
+    let is_glossy = IS_GLOSSY && (*reflector).count > 0u;
+    if (share == 1.0 && !is_glossy) {
+        let u = coordinate(shifts.x, frame.plane_steps.xy, number);
+        return cosine_direction(receiver.normal, u, coordinate(shifts.y, frame.plane_steps.zw, number));
+    }
+    let choice = coordinate(shifts.x, frame.space_steps.xy, number);
+    let u = coordinate(shifts.y, frame.space_steps.zw, number);
+    let v = coordinate(shifts.z, frame.space_last_step, number);
+    if (choice >= share) {
+        return light_direction(receiver.position, receiver.normal, power, (choice - share) / (1.0 - share), u, v);
+    } else if (is_glossy) {
+        return reflected_direction(reflector, choice / share, u, v);
+    } else {
+        return cosine_direction(receiver.normal, u, v);
+    }
+}
+
+// Sum over the samples of this dispatch: of a glossy receiver what it sends out, of another one what it would if it were
+// white.
+fn shaded(lane: u32, placed: Receiver, reflector: ptr<function, Reflector>) -> vec3f {
     var receiver = placed;
     let size = length(placed.normal);
     receiver.normal = select(vec3f(0.0, 1.0, 0.0), placed.normal / size, size > 0.0);
@@ -63,29 +91,19 @@ fn shaded(lane: u32, placed: Receiver) -> vec3f {
     var sum = vec3f(0.0);
     let end = min(part.x + SAMPLES_AT_ONCE, frame.samples);
     for (var i = part.x; i < end; i++) {
-        var direction = vec3f(0.0);
-        if (share == 1.0) {
-            let u = coordinate(shifts.x, frame.plane_steps.xy, i);
-            direction = cosine_direction(receiver.normal, u, coordinate(shifts.y, frame.plane_steps.zw, i));
-        } else {
-            let choice = coordinate(shifts.x, frame.space_steps.xy, i);
-            let u = coordinate(shifts.y, frame.space_steps.zw, i);
-            let v = coordinate(shifts.z, frame.space_last_step, i);
-            if (choice < share) {
-                direction = cosine_direction(receiver.normal, u, v);
-            } else {
-                let rest = (choice - share) / (1.0 - share);
-                direction = light_direction(receiver.position, receiver.normal, power, rest, u, v);
-            }
-        }
+        let direction = drawn_direction(receiver, reflector, power, shifts, i);
         let cosine = dot(receiver.normal, direction);
         if (cosine <= 0.0) {
             continue;
         }
+        var reflected = Reflected(vec3f(cosine / PI), cosine / PI);
+        if (IS_GLOSSY && (*reflector).count > 0u) {
+            reflected = reflected_along(reflector, receiver.normal, direction);
+        }
         let arriving = arriving_radiance(receiver.position, direction);
-        let density = share * cosine / PI + (1.0 - share) * sum_of(arriving) / power;
+        let density = share * reflected.density + (1.0 - share) * sum_of(arriving) / power;
         if (any(arriving != vec3f(0.0)) && density > 0.0) {
-            sum += seen_radiance(lane, start, receiver, direction) * (cosine / (PI * density));
+            sum += seen_radiance(lane, start, receiver, direction) * reflected.reflectance / density;
         }
     }
     return sum;
@@ -97,7 +115,18 @@ fn main(
     @builtin(local_invocation_index) lane: u32,
 ) {
     let number = invocation.x;
-    if (number < receiver_count()) {
-        accumulate(number, shaded(lane, receiver_at(number)) / f32(frame.samples), part.x == 0u);
+    if (number >= receiver_count()) {
+        return;
+    }
+    let receiver = receiver_at(number);
+    var reflector = Reflector();
+    if (IS_GLOSSY) {
+        reflector = reflector_of(number, receiver);
+    }
+    let mean = shaded(lane, receiver, &reflector) / f32(frame.samples);
+    if (reflector.count > 0u) {
+        add_radiance(number, mean, part.x == 0u);
+    } else {
+        accumulate(number, mean, part.x == 0u);
     }
 }

@@ -1,6 +1,7 @@
 // Whether anything lies on a ray: any-hit traversal of two levels of hierarchies. It answers as
 // `shared/triangle_rays.rs` does, in single precision.
 #import "common/constants.wgsl"
+#import "ray_traced/cutout.wgsl"
 #import "ray_traced/frame.wgsl"
 
 const LEAF = 0x80000000u;
@@ -51,21 +52,27 @@ fn volume(a: vec3f, b: vec3f, direction: vec3f) -> f32 {
 }
 
 fn is_met(ray: Ray, triangle: Triangle, limit: f32, reach: f32) -> bool {
-    let a = triangle.a.xyz - ray.origin;
-    let b = triangle.b.xyz - ray.origin;
-    let c = triangle.c.xyz - ray.origin;
+    let a = triangle.a - ray.origin;
+    let b = triangle.b - ray.origin;
+    let c = triangle.c - ray.origin;
     let volumes = vec3f(volume(b, c, ray.direction), volume(c, a, ray.direction), volume(a, b, ray.direction));
     if (!(all(volumes >= vec3f(0.0)) || all(volumes <= vec3f(0.0)))) {
         return false;
     }
-    let normal = cross(triangle.b.xyz - triangle.a.xyz, triangle.c.xyz - triangle.a.xyz);
+    let normal = cross(triangle.b - triangle.a, triangle.c - triangle.a);
     let ahead = dot(normal, a);
     let facing = dot(normal, ray.direction);
     let off = dot(abs(normal), ray.slack);
     // A triangle that faces the ray is met though it be behind the origin by what that may be off; one that faces away isn't.
     let farthest = min(off, -facing * reach);
     let is_ahead = select((ahead < farthest), (ahead > off), (facing > 0.0));
-    return facing != 0.0 && is_ahead && ahead / facing <= limit;
+    if (!(facing != 0.0 && is_ahead && ahead / facing <= limit)) {
+        return false;
+    }
+    if (HAS_CUTOUTS && triangle.holes > 0u) {
+        return !is_cut_out(triangle.holes, volumes / (volumes.x + volumes.y + volumes.z));
+    }
+    return true;
 }
 
 fn is_blocked(lane: u32, origin: vec3f, direction: vec3f, slack: vec3f, reach: f32, limit: f32) -> bool {

@@ -1,5 +1,6 @@
 // The SH exponential: twin of `halfshade_sh::kernel::BatchExponential::evaluate`.
 #import "common/constants.wgsl"
+#import "common/near_zero.wgsl"
 #import "sh_exp/frame.wgsl"
 
 override MAX_SQUARINGS: u32 = 24u;
@@ -34,18 +35,6 @@ fn shadow_form() -> Form {
 
 fn reflection_form() -> Form {
     return Form(REFLECTION_METHOD, REFLECTION_TERMS, REFLECTION_LIMIT, frame.reflection_table);
-}
-
-// exp(x) - 1 without cancellation.
-fn exp_minus_one(x: f32) -> f32 {
-    if (abs(x) > 0.5) {
-        return exp(x) - 1.0;
-    }
-    var sum = 1.0 + x / 9.0;
-    for (var k = 8.0; k > 1.5; k -= 1.0) {
-        sum = 1.0 + x / k * sum;
-    }
-    return x * sum;
 }
 
 // (a - 1, b) of the optimal linear form, by magnitude.

@@ -38,9 +38,9 @@ fn light_count() -> u32 {
     return rows[0].y;
 }
 
-// Row of `tables` at which a receiver begins: vertices around it, their weights, and how its gloss varies.
+// Row of `tables` at which a receiver begins: vertices around it, and their weights.
 fn receiver_row(number: u32) -> u32 {
-    return frame.receivers + number * select(2u, 3u, LOBES > 0u);
+    return frame.receivers + 2u * number;
 }
 
 // A number of a list, four in a row.

@@ -99,6 +99,6 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     }
     reflect(number, white);
     if (LOBES > 0u) {
-        add_radiance(number, glossy);
+        add_radiance(number, glossy, false);
     }
 }

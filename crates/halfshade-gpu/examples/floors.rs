@@ -92,7 +92,13 @@ const CASES: &[Case] = &[
         what: "16 rays of 32 steps through hierarchies each, a map's light, no lamp",
         bands: 1,
         rounds: &[("shaded", &[16.0]), ("is_blocked", &[32.0, 1.0]), ("power_at", &[0.0]), ("seen_radiance", &[0.0])],
-        taken: &[],
+        // Nothing is glossy, and nothing has holes.
+        taken: &[
+            ("main", &[false, false, false]),
+            ("shaded", &[false, false, false, true]),
+            ("drawn_direction", &[false, true]),
+            ("is_met", &[false, false, false]),
+        ],
         bytes: RECEIVER_BYTES,
     },
     Case {

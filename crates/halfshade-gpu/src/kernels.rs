@@ -67,6 +67,27 @@ const CAP: Twin = Twin {
     reason: "double precision on the CPU; atan2 may err by 4096 units in the last place",
 };
 
+const REFLECTANCE: Twin = Twin {
+    shader: "common/reflectance.wgsl",
+    cpu: "halfshade_scene::Reflectance::lobes",
+    tolerance: 1e-3,
+    reason: "double precision on the CPU; the power of a length magnifies rounding by its exponent",
+};
+
+const EYE_LOBES: Twin = Twin {
+    shader: "common/eye_lobes.wgsl",
+    cpu: "halfshade_scene::EyeLobes",
+    tolerance: 1e-3,
+    reason: "that of the reflectance",
+};
+
+const NEAR_ZERO: Twin = Twin {
+    shader: "common/near_zero.wgsl",
+    cpu: "f64::exp_m1 and f64::ln_1p",
+    tolerance: 1e-6,
+    reason: "rounding; exp and log may err by a few units in the last place",
+};
+
 /// Light without visibility.
 pub const UNSHADOWED: Kernel = Kernel {
     name: "unshadowed",
@@ -98,6 +119,21 @@ pub const RAY_TRACED: Kernel = Kernel {
             tolerance: 1e-3,
             reason: "a ray that grazes an edge may be decided otherwise: a share of all rays",
         },
+        Twin {
+            shader: "ray_traced/cutout.wgsl",
+            cpu: "halfshade_scene::Mesh::is_cut_out",
+            tolerance: 1e-3,
+            reason: "a ray that grazes the edge of a hole may be decided otherwise: a share of all rays",
+        },
+        Twin {
+            shader: "ray_traced/reflector.wgsl",
+            cpu: "halfshade_strategies::ray_traced::shade::reflector",
+            tolerance: 1e-3,
+            reason: "that of the reflectance; a high power magnifies rounding by its exponent",
+        },
+        REFLECTANCE,
+        EYE_LOBES,
+        NEAR_ZERO,
     ],
     buffers: &[RECEIVERS, &["frame", "nodes", "triangles", "rows"], &["part"]],
 };
@@ -128,6 +164,7 @@ pub const SH_EXP: Kernel = Kernel {
             tolerance: 1e-4,
             reason: "every squaring doubles rounding, and there are ten for magnitudes of hundreds",
         },
+        NEAR_ZERO,
         Twin {
             shader: "sh_exp/product.wgsl",
             cpu: "halfshade_strategies::sh_exp::kernel::product",
@@ -180,12 +217,8 @@ pub const SHADOW_FIELD: Kernel = Kernel {
     name: "shadow-field",
     shader: "shadow_field/shade.wgsl",
     twins: &[
-        Twin {
-            shader: "common/reflectance.wgsl",
-            cpu: "halfshade_scene::Reflectance::lobes",
-            tolerance: 1e-3,
-            reason: "double precision on the CPU; the power of a length magnifies rounding by its exponent",
-        },
+        REFLECTANCE,
+        EYE_LOBES,
         Twin {
             shader: "shadow_field/shell_coordinates.wgsl",
             cpu: "halfshade_strategies::shadow_field::kernel::shell_coordinates",
@@ -262,11 +295,6 @@ pub const KERNELS: &[Kernel] = &[UNSHADOWED, RAY_TRACED, SH_EXP, SH_EXP_EMIT, SH
 /// All that has none.
 pub const MISSING: &[Missing] = &[
     Missing { cpu: "halfshade_strategies::sh_exp::kernel::traced", instead: "exp=hybrid or device `cpu`" },
-    Missing {
-        cpu: "halfshade_strategies::ray_traced::shade::reflector",
-        instead: "device `cpu`, where anything is glossy",
-    },
-    Missing { cpu: "halfshade_scene::Mesh::is_cut_out", instead: "device `cpu`, where a mesh has holes by a mask" },
     Missing { cpu: "halfshade_strategies::shadow_field::shade::haar", instead: "basis=sh or device `cpu`" },
     Missing { cpu: "halfshade_strategies::shadow_field::shade::traced", instead: "sampling=adaptive or device `cpu`" },
     Missing { cpu: "halfshade_strategies::cosine_lobe", instead: "device `cpu`" },

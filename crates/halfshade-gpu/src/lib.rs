@@ -14,6 +14,8 @@ mod pipeline;
 pub mod probe;
 mod ray_traced;
 mod receivers;
+mod reflectance;
+mod rows;
 mod runner;
 mod sh_exp;
 mod shader;

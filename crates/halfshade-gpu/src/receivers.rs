@@ -9,7 +9,10 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3, Vec3};
 use halfshade_scene::{Frame, RadianceMut, Receivers, SurfacePoint};
 use halfshade_strategies::origin_between;
-use std::sync::{Mutex, PoisonError};
+use std::{
+    ops::Range,
+    sync::{Mutex, PoisonError},
+};
 
 /// Where an object is, as `common/receivers.wgsl` reads it: rows of the map to the space of the light.
 #[repr(C)]
@@ -119,8 +122,11 @@ impl ResidentReceivers {
         for first in (0..count).step_by(MOST_RECEIVERS) {
             let range = first..(first + MOST_RECEIVERS).min(count);
             let places = places(&rest[range.clone()], &objects[range.clone()], &groups[range.clone()]);
-            let albedos: Vec<f32> =
+            let mut albedos: Vec<f32> =
                 receivers.albedo.iter().flat_map(|channel| &channel[range.clone()]).copied().collect();
+            if frame.scene.is_glossy() {
+                albedos.extend(gloss_factors(receivers, range.clone()));
+            }
             parts.push(Part {
                 first,
                 count: range.len(),
@@ -224,6 +230,13 @@ impl Deforming {
             *place = [mixed(positions), if behind { -normal } else { normal }];
         }
     }
+}
+
+/// Factors of gloss, channel by channel of the specular scale, then of the exponent.
+fn gloss_factors(receivers: Receivers<'_>, range: Range<usize>) -> Vec<f32> {
+    let glosses: Vec<[f32; 4]> =
+        range.map(|i| receivers.gloss_at(i)).map(|gloss| gloss.specular.extend(gloss.exponent).to_array()).collect();
+    (0..4).flat_map(|factor| glosses.iter().map(move |gloss| gloss[factor])).collect()
 }
 
 /// Position and normal of a receiver in its object's space.

@@ -165,12 +165,23 @@ fn structs_lie_in_rust_as_in_wgsl() {
         offset_of!(Node, more_padding),
     ];
     assert_eq!(layout(&module, "Node"), (size_of::<Node>(), node));
-    type Rays = ray_traced::FrameUniforms;
+    type Triangle = ray_traced::meshes::DeviceTriangle;
+    let triangle = vec![
+        offset_of!(Triangle, a),
+        offset_of!(Triangle, holes),
+        offset_of!(Triangle, b),
+        offset_of!(Triangle, padding),
+        offset_of!(Triangle, c),
+        offset_of!(Triangle, more_padding),
+    ];
+    assert_eq!(layout(&module, "Triangle"), (size_of::<Triangle>(), triangle));
+    type Rays = ray_traced::frame::FrameUniforms;
     let rays = vec![
         offset_of!(Rays, environment),
         offset_of!(Rays, constant),
         offset_of!(Rays, sun),
         offset_of!(Rays, sun_radiance),
+        offset_of!(Rays, eye),
         offset_of!(Rays, plane_steps),
         offset_of!(Rays, space_steps),
         offset_of!(Rays, space_last_step),
@@ -184,6 +195,7 @@ fn structs_lie_in_rust_as_in_wgsl() {
         offset_of!(Rays, instance_count),
         offset_of!(Rays, lights),
         offset_of!(Rays, light_count),
+        offset_of!(Rays, tables),
         offset_of!(Rays, texels),
         offset_of!(Rays, aliases),
         offset_of!(Rays, padding),

@@ -84,6 +84,31 @@ impl Texture {
         Self { filter, ..self }
     }
 
+    /// Columns.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Rows.
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// Linear values, row by row from the top.
+    pub fn texels(&self) -> &[Vec3] {
+        &self.texels
+    }
+
+    /// Values beyond the edge, along a row and along a column.
+    pub fn wrap(&self) -> [Wrap; 2] {
+        self.wrap
+    }
+
+    /// Values between the centres of texels.
+    pub fn filter(&self) -> Filter {
+        self.filter
+    }
+
     /// Reads a PNG or JPEG file, told apart by content.
     pub fn load(path: &Path) -> Result<Self, SceneError> {
         let read = crate::input::read(path).map_err(|error| SceneError::new(format!("cannot be read: {error}")));

@@ -1,7 +1,10 @@
 //! A frame in rows of four numbers.
 
-use super::tables::{Row, Tables, bits};
-use crate::receivers::KernelSpace;
+use super::tables::Tables;
+use crate::{
+    receivers::KernelSpace,
+    rows::{Row, bits, fours},
+};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use halfshade_strategies::shadow_field::arrays::{Containment, FrameArrays, LocalLight, ObjectPlacement};
@@ -78,15 +81,6 @@ fn containment(holds: &Containment) -> u32 {
         Containment::Center => 1,
         Containment::Whole => 2,
     }
-}
-
-/// Rows of four, the last filled up with zeros.
-fn fours(numbers: impl Iterator<Item = u32>) -> impl Iterator<Item = Row> {
-    let mut numbers = numbers.peekable();
-    std::iter::from_fn(move || {
-        numbers.peek()?;
-        Some(std::array::from_fn(|_| numbers.next().unwrap_or(0)))
-    })
 }
 
 /// Per four coefficients those of red, green and blue.

@@ -11,6 +11,7 @@ use crate::{
     GpuError,
     kernels::SHADOW_FIELD,
     receivers::KernelSpace,
+    reflectance::most_terms,
     runner::{Bench, Runner, Uploaded},
 };
 use frame::{FrameUniforms, frame_rows};
@@ -25,7 +26,7 @@ use halfshade_strategies::{
     },
 };
 use halfshade_strategy::{Baked, Footprint, Info, Params, Prepared, Strategy, StrategyError};
-use tables::{Tables, most_terms};
+use tables::Tables;
 
 /// [`ShadowField`], whose receivers are shaded on the device.
 #[derive(Debug)]

@@ -1,16 +1,16 @@
 //! Tables that stay on the device from frame to frame, in rows of four numbers: fields, own occlusion, vertices around receivers,
 //! reflectances.
 
+use crate::{
+    reflectance::{TERM_ROWS, terms},
+    rows::Row,
+};
 use bytemuck::NoUninit;
-use glam::Vec3;
-use halfshade_scene::{Receivers, Reflectance, Scene};
+use halfshade_scene::{Receivers, Scene};
 use halfshade_strategies::shadow_field::{
     ShBaked,
     arrays::{FieldArrays, SceneArrays, StoredValues},
 };
-
-/// Four numbers, whole or not.
-pub(super) type Row = [u32; 4];
 
 /// Number of a field where there is none.
 const NO_FIELD: u32 = u32::MAX;
@@ -23,7 +23,6 @@ pub(super) struct Tables {
     pub(super) objects: Vec<ObjectTables>,
     /// The row at which receivers begin.
     pub(super) receivers: usize,
-    is_glossy: bool,
     pub(super) cosine: [f32; 8],
 }
 
@@ -36,12 +35,6 @@ pub(super) struct ObjectTables {
     own_rows: u32,
     pub(super) terms: u32,
     pub(super) term_count: u32,
-}
-
-/// Terms of the object of the scene that has the most.
-pub(super) fn most_terms(scene: &Scene) -> usize {
-    let terms = scene.objects.iter().map(|object| terms(&object.material.reflectance).len() / TERM_ROWS);
-    terms.max().unwrap_or(0)
 }
 
 impl Tables {
@@ -70,14 +63,12 @@ impl Tables {
             .collect();
         let mut cosine = [0.0; 8];
         cosine.iter_mut().zip(arrays.cosine).for_each(|(value, cosine)| *value = *cosine);
-        let is_glossy = most_terms(scene) > 0;
-        (Self { receivers: rows.len(), rows, objects, is_glossy, cosine }, samples)
+        (Self { receivers: rows.len(), rows, objects, cosine }, samples)
     }
 
-    /// Takes these receivers in the place of any others: per receiver the own occlusion of three vertices and their weights,
-    /// and how its gloss varies if anything is glossy.
+    /// Takes these receivers in the place of any others: per receiver the own occlusion of three vertices and their weights.
     pub(super) fn place_receivers(&mut self, baked: &ShBaked, receivers: Receivers<'_>) {
-        let Self { rows, objects, receivers: first, is_glossy, .. } = self;
+        let Self { rows, objects, receivers: first, .. } = self;
         rows.truncate(*first);
         for (i, around) in baked.vertices_around(receivers).enumerate() {
             let own = objects.get(receivers.object[i] as usize);
@@ -90,10 +81,6 @@ impl Tables {
                 }
             }
             rows.extend([vertices, weights.map(f32::to_bits)]);
-            if *is_glossy {
-                let gloss = receivers.gloss_at(i);
-                rows.push(bits(gloss.specular, gloss.exponent));
-            }
         }
     }
 }
@@ -140,28 +127,4 @@ fn add_values<T: NoUninit>(rows: &mut Vec<Row>, values: &[T], [stride, count]: [
 fn packed(bytes: &[u8]) -> Row {
     let byte = |i: usize| bytes.get(i).copied().unwrap_or(0);
     std::array::from_fn(|word| u32::from_le_bytes(std::array::from_fn(|k| byte(4 * word + k))))
-}
-
-/// A vector and a number as bits.
-pub(super) fn bits(vector: Vec3, last: f32) -> Row {
-    vector.extend(last).to_array().map(f32::to_bits)
-}
-
-/// Rows of one term.
-const TERM_ROWS: usize = 2;
-
-/// The terms of a reflectance, as `common/reflectance.wgsl` knows them.
-fn terms(reflectance: &Reflectance) -> Vec<Row> {
-    let term = |scale: Vec3, exponent: f32, axis: Vec3, model: u32| {
-        let [x, y, z] = axis.to_array().map(f32::to_bits);
-        [bits(scale, exponent), [x, y, z, model]]
-    };
-    match reflectance {
-        Reflectance::Lambert => Vec::new(),
-        Reflectance::Phong { specular, exponent } => term(*specular, *exponent, Vec3::ZERO, 0).to_vec(),
-        Reflectance::ModifiedPhong { specular, exponent } => term(*specular, *exponent, Vec3::ZERO, 1).to_vec(),
-        Reflectance::Lafortune { lobes } => {
-            lobes.iter().flat_map(|lobe| term(lobe.scale, lobe.exponent, lobe.axis, 2)).collect()
-        }
-    }
 }

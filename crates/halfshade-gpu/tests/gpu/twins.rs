@@ -33,7 +33,7 @@ use wide::f32x8;
 
 type Test = fn(&Arc<Gpu>) -> Result<(), Failed>;
 
-pub(super) const TESTS: [(&str, Test); 7] = [
+pub(super) const TESTS: [(&str, Test); 8] = [
     ("vectors", vectors),
     ("tangent_plane", tangent_plane),
     ("blocker", blocker),
@@ -41,6 +41,7 @@ pub(super) const TESTS: [(&str, Test); 7] = [
     ("cap", cap),
     ("octahedral", octahedral),
     ("random", random),
+    ("near_zero", near_zero),
 ];
 
 /// Calls per test.
@@ -417,4 +418,18 @@ fn random(gpu: &Arc<Gpu>) -> Result<(), Failed> {
         })
         .collect();
     compare("points", tolerance(shader), &found, &expected, 3)
+}
+
+/// Quotients by the argument, which are near 1 however small it is.
+fn near_zero(gpu: &Arc<Gpu>) -> Result<(), Failed> {
+    let mut random = Pcg64Mcg::seed_from_u64(7);
+    let numbers: Vec<f64> = (0..CALLS).map(|_| single(0.9 * 10f64.powf(random.random_range(-30.0..0.0)))).collect();
+    let inputs: Vec<[f32; 4]> = numbers.iter().map(|&x| [x as f32, 0.0, 0.0, 0.0]).collect();
+    let body = "let x = input[0].x;
+        output[0] = vec4f(exp_minus_one(x), exp_minus_one(-x), log_one_minus(x), 0.0) / x;";
+    let shader = "common/near_zero.wgsl";
+    let found = Probe { shader, bands: None, constants: &[], rows: [1, 1], body, tables: None }.call(gpu, &inputs)?;
+    let expected: Vec<f64> =
+        numbers.iter().flat_map(|x| [x.exp_m1(), (-x).exp_m1(), (-x).ln_1p()].map(|y| y / x)).collect();
+    compare("quotients", tolerance(shader), &found, &expected, 3)
 }
