@@ -260,6 +260,20 @@ impl Gpu {
         }
     }
 
+    /// Copies the first bytes of a buffer into a staging buffer, and hands that to `read`.
+    pub(crate) fn read_copy<R>(
+        &self,
+        source: &DeviceBuffer,
+        staging: &DeviceBuffer,
+        bytes: u64,
+        read: impl FnOnce(&[u8]) -> R,
+    ) -> Result<R, GpuError> {
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        encoder.copy_buffer_to_buffer(&source.buffer, 0, &staging.buffer, 0, bytes);
+        self.queue.submit([encoder.finish()]);
+        self.read(staging, read)
+    }
+
     /// Hands the bytes of a staging buffer, into which something was copied, to `read`.
     pub(crate) fn read<R>(&self, staging: &DeviceBuffer, read: impl FnOnce(&[u8]) -> R) -> Result<R, GpuError> {
         let refused = |error: &dyn std::fmt::Display| GpuError::Refused(error.to_string());

@@ -15,6 +15,11 @@ pub(crate) const MOST_RECEIVERS: usize = 65_535 * WORKGROUP as usize;
 /// Most passes of a submission whose time is taken.
 const MOST_PASSES: u32 = 64;
 
+/// Yes or no as the value of an `override`.
+pub(crate) fn flag(is_set: bool) -> f64 {
+    f64::from(u8::from(is_set))
+}
+
 /// A kernel that is ready to run.
 #[derive(Debug)]
 pub(crate) struct Pipeline {

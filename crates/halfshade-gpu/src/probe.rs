@@ -48,10 +48,7 @@ impl Probe<'_> {
         }
         PassClock::new(gpu)?.run(gpu, &[Pass { pipeline, bind_groups, count }])?;
         let staging = gpu.staging("outputs", bytes)?;
-        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        encoder.copy_buffer_to_buffer(&outputs.buffer, 0, &staging.buffer, 0, bytes);
-        gpu.queue.submit([encoder.finish()]);
-        gpu.read(&staging, |bytes| bytemuck::cast_slice(&bytes[..count * given * 16]).to_vec())
+        gpu.read_copy(&outputs, &staging, bytes, |bytes| bytemuck::cast_slice(&bytes[..count * given * 16]).to_vec())
     }
 
     fn code(&self) -> String {

@@ -190,10 +190,7 @@ impl ResidentReceivers {
                 *slot = Some(gpu.staging("radiances", bytes)?);
             }
             let Some(staging) = slot.as_ref() else { continue };
-            let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            encoder.copy_buffer_to_buffer(&part.radiances.buffer, 0, &staging.buffer, 0, bytes);
-            gpu.queue.submit([encoder.finish()]);
-            gpu.read(staging, |bytes| {
+            gpu.read_copy(&part.radiances, staging, bytes, |bytes| {
                 let values: &[f32] = bytemuck::cast_slice(bytes);
                 for (channel, values) in out.channels.iter_mut().zip(values.chunks_exact(part.count)) {
                     channel[part.first..part.first + part.count].copy_from_slice(values);

@@ -6,9 +6,19 @@ use glam::Vec3;
 /// Four numbers, whole or not.
 pub(crate) type Row = [u32; 4];
 
+/// A vector and a number.
+pub(crate) fn row(vector: Vec3, last: f32) -> [f32; 4] {
+    vector.extend(last).to_array()
+}
+
 /// A vector and a number as bits.
 pub(crate) fn bits(vector: Vec3, last: f32) -> Row {
-    vector.extend(last).to_array().map(f32::to_bits)
+    row(vector, last).map(f32::to_bits)
+}
+
+/// The first numbers of a list, and zeros where it ends.
+pub(crate) fn filled<const N: usize>(values: &[f32]) -> [f32; N] {
+    std::array::from_fn(|k| values.get(k).copied().unwrap_or(0.0))
 }
 
 /// Rows of four, the last filled up with zeros.

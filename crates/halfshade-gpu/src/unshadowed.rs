@@ -3,6 +3,7 @@
 use crate::{
     kernels::UNSHADOWED,
     receivers::KernelSpace,
+    rows::row,
     runner::{Bench, Runner, Uploaded},
 };
 use bytemuck::{Pod, Zeroable};
@@ -121,8 +122,4 @@ impl Baked for BakedOnGpu {
         self.runner.upload()?;
         Ok(Box::new(Uploaded(&self.runner)))
     }
-}
-
-fn row(v: Vec3, last: f32) -> [f32; 4] {
-    v.extend(last).to_array()
 }

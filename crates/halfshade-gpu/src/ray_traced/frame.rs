@@ -1,5 +1,6 @@
 //! Settings of a frame.
 
+use crate::rows::row;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use halfshade_scene::light::DistantLight;
@@ -38,7 +39,6 @@ pub(super) fn uniforms(light: &LightSampler, samples: &SampleArrays) -> FrameUni
     let halves = |step: u64| [step as u32, (step >> 32) as u32];
     let [a, b] = samples.plane_steps.map(halves);
     let [x, y, z] = samples.space_steps.map(halves);
-    let row = |v: Vec3, last: f32| v.extend(last).to_array();
     let (constant, [map_width, map_height]) = match &light.base {
         DistantLight::Constant(radiance) => (*radiance, [0; 2]),
         DistantLight::Map(map) => (Vec3::ZERO, [map.width() as u32, map.height() as u32]),

@@ -7,6 +7,7 @@ mod tables;
 
 use crate::{
     kernels::RAY_TRACED,
+    pipeline::flag,
     rows::{Row, bits, fours},
     runner::{Bench, Runner, Uploaded},
 };
@@ -58,7 +59,6 @@ impl Strategy for RayTracedOnGpu {
     }
 
     fn bake(&self, scene: &Scene, params: &Params, _: &dyn Progress) -> Result<Box<dyn Baked>, StrategyError> {
-        let flag = |is_set: bool| f64::from(u8::from(is_set));
         let constants = [
             ("SAMPLES_AT_ONCE", f64::from(SAMPLES_AT_ONCE)),
             ("IS_GLOSSY", flag(scene.is_glossy())),
@@ -117,7 +117,7 @@ impl Baked for BakedOnGpu {
         let first_texel = first_table + self.tables.rows.len();
         let texel_count = if let DistantLight::Map(map) = &light.base { map.texels().len() } else { 0 };
         let uniforms = FrameUniforms {
-            eye: space.place(frame.scene.camera.eye.as_dvec3()).extend(0.0).as_vec4().to_array(),
+            eye: space.place_sphere(frame.scene.camera.eye, 0.0),
             lights: first_light as u32,
             light_count: light.lights.len() as u32,
             instance_count: instances.len() as u32,

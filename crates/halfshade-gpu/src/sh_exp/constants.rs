@@ -1,5 +1,6 @@
 //! Settings as values of the kernel's `override`s.
 
+use crate::pipeline::flag;
 use halfshade_scene::spheres::{AdjustRule, COVER_HEIGHT, FADE_HEIGHT};
 use halfshade_sh::{
     blocker_table,
@@ -31,7 +32,7 @@ pub(super) fn constants(arrays: &SceneArrays<'_>) -> [Constants; 2] {
     let mut dark = vec![
         ("RULE", rule),
         ("FULL_HEIGHT", full_height),
-        ("IS_CLAMPED", switch(arrays.clamp)),
+        ("IS_CLAMPED", flag(arrays.clamp)),
         ("INTERVALS", blocker_table::INTERVALS as f64),
         ("MAX_SQUARINGS", f64::from(MAX_SQUARINGS)),
         ("SERIES_MAGNITUDE", SERIES_MAGNITUDE),
@@ -53,7 +54,7 @@ pub(super) fn constants(arrays: &SceneArrays<'_>) -> [Constants; 2] {
         }
     };
     if let Some(exponential) = shadows.or(reflections.map(|reflections| reflections.exponential)) {
-        dark.push(("IS_BLENDED", switch(exponential.parts().is_blended)));
+        dark.push(("IS_BLENDED", flag(exponential.parts().is_blended)));
     }
     let mut lit = dark.clone();
     if let Some(reflections) = reflections {
@@ -63,9 +64,9 @@ pub(super) fn constants(arrays: &SceneArrays<'_>) -> [Constants; 2] {
             ("REFLECTION_METHOD", method),
             ("REFLECTION_TERMS", terms),
             ("REFLECTION_LIMIT", limit),
-            ("BY_POWER", switch(reflections.by_power)),
-            ("IS_PRECOMPUTED", switch(reflections.is_precomputed)),
-            ("IS_QUADRATIC", switch(reflections.is_quadratic)),
+            ("BY_POWER", flag(reflections.by_power)),
+            ("IS_PRECOMPUTED", flag(reflections.is_precomputed)),
+            ("IS_QUADRATIC", flag(reflections.is_quadratic)),
             ("FORM_INTERVALS", form_factor::INTERVALS as f64),
         ]);
     }
@@ -82,8 +83,4 @@ fn form(exponential: &BatchExponential) -> [f64; 3] {
     };
     let limit = if parts.magnitude_limit.is_finite() { f64::from(parts.magnitude_limit) } else { -1.0 };
     [method, f64::from(parts.series_terms.unwrap_or(1)), limit]
-}
-
-fn switch(is_on: bool) -> f64 {
-    f64::from(u8::from(is_on))
 }

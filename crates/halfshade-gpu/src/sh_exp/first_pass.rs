@@ -110,15 +110,15 @@ impl DeviceFirstPass {
         self.spheres.len()
     }
 
-    /// Brings everything up to a frame, with so many channels of radiance.
+    /// Brings everything up to a frame.
     pub(super) fn prepare(
         &mut self,
         arrays: &ReflectionArrays<'_>,
         of_frame: &FrameArrays<'_>,
         frame: &Frame<'_>,
         space: &KernelSpace,
-        channels: usize,
     ) -> Result<(), GpuError> {
+        let channels = of_frame.radiance_channels;
         let (rotations, numbers) = arrays.rotations(frame, of_frame.turns);
         let values: Vec<f32> = (rotations.iter())
             .flat_map(|rotation| (0..rotation.bands()).flat_map(|l| rotation.block(l).row_iter()))

@@ -119,8 +119,7 @@ impl BakedOnGpu {
             self.light_changes = Some(of_frame.light_changes);
         }
         runner.write(BLOCKERS, &frame::blockers(baked, &space))?;
-        let channels =
-            scene.reflections.map_or(0, |reflections| if of_frame.is_grey { reflections.surface_channels } else { 3 });
+        let channels = of_frame.radiance_channels;
         let has_sun = u32::from(of_frame.light.sun.as_ref().is_some_and(|sun| sun.sin_radius > 0.0));
         let counts = [self.light_channels, channels as u32, frame::ground_rows(&scene, &of_frame), has_sun];
         let (numbers, masks) = frame::numbers(baked, &scene, counts);
@@ -132,7 +131,7 @@ impl BakedOnGpu {
             let radiating = frame::radiating(&scene, &of_frame, &space, &mut self.uniforms);
             runner.write(RADIATING, &radiating)?;
         } else {
-            self.prepare_first_pass(frame, &space, channels)?;
+            self.prepare_first_pass(frame, &space)?;
         }
         self.runner.write_uniforms(&self.uniforms);
         let is_new = self.runner.upload()?;
@@ -144,8 +143,8 @@ impl BakedOnGpu {
         Ok(())
     }
 
-    /// Brings sample points up to a frame, and makes room for what spheres radiate in so many channels.
-    fn prepare_first_pass(&mut self, frame: &Frame<'_>, space: &KernelSpace, channels: usize) -> Result<(), GpuError> {
+    /// Brings sample points up to a frame, and makes room for what spheres radiate.
+    fn prepare_first_pass(&mut self, frame: &Frame<'_>, space: &KernelSpace) -> Result<(), GpuError> {
         let (scene, of_frame) = (self.baked.scene_arrays(), self.baked.frame_arrays());
         let Some(reflections) = &scene.reflections else { return Ok(()) };
         let pass = match &mut self.first_pass {
@@ -156,7 +155,8 @@ impl BakedOnGpu {
                 none.insert(DeviceFirstPass::new(&self.bench, &kernels, &self.baked, reflections, frame)?)
             }
         };
-        pass.prepare(reflections, &of_frame, frame, space, channels)?;
-        self.runner.reserve(RADIATING, pass.sphere_count() * channels * frame::rows_of(scene.bands) * 16)
+        pass.prepare(reflections, &of_frame, frame, space)?;
+        self.runner
+            .reserve(RADIATING, pass.sphere_count() * of_frame.radiance_channels * frame::rows_of(scene.bands) * 16)
     }
 }

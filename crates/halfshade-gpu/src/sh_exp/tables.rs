@@ -1,5 +1,6 @@
 //! Tables of the scene and its light in one buffer, and where in it they begin.
 
+use crate::rows::filled;
 use bytemuck::{Pod, Zeroable};
 use halfshade_sh::kernel::{BatchExponential, ExposedShares};
 use halfshade_strategies::sh_exp::arrays::{
@@ -138,9 +139,4 @@ impl Tables {
 /// A vector in rows of four, filled up with zeros.
 pub(super) fn in_fours(vector: &[f32]) -> impl Iterator<Item = [f32; 4]> {
     vector.chunks(4).map(filled)
-}
-
-/// The first numbers of a list, and zeros where it ends.
-fn filled<const N: usize>(values: &[f32]) -> [f32; N] {
-    std::array::from_fn(|k| values.get(k).copied().unwrap_or(0.0))
 }

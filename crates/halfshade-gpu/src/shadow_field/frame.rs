@@ -65,7 +65,7 @@ pub(super) fn frame_rows(
     let uniforms = FrameUniforms {
         light: light_by_fours(arrays.light),
         cosine: tables.cosine,
-        eye: space.place(eye.as_dvec3()).extend(0.0).as_vec4().to_array(),
+        eye: space.place_sphere(eye, 0.0),
         rotations,
         orders,
         lights,

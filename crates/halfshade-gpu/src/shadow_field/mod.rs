@@ -10,6 +10,7 @@ mod tables;
 use crate::{
     GpuError,
     kernels::SHADOW_FIELD,
+    pipeline::flag,
     receivers::KernelSpace,
     reflectance::most_terms,
     runner::{Bench, Runner, Uploaded},
@@ -90,7 +91,6 @@ fn constants(settings: &FieldSettings, scene: &Scene) -> [(&'static str, f64); 4
         Storage::F16 => 1.0,
         Storage::F32 => 2.0,
     };
-    let flag = |is_set: bool| f64::from(u8::from(is_set));
     [
         ("STORAGE", storage),
         ("OWN_IS_PROJECTED", flag(settings.own_is_projected)),

@@ -3,7 +3,7 @@
 
 use crate::{
     reflectance::{TERM_ROWS, terms},
-    rows::Row,
+    rows::{Row, filled},
 };
 use bytemuck::NoUninit;
 use halfshade_scene::{Receivers, Scene};
@@ -61,9 +61,7 @@ impl Tables {
                 ObjectTables { field, own, own_rows: count.div_ceil(4) as u32, terms: first, term_count }
             })
             .collect();
-        let mut cosine = [0.0; 8];
-        cosine.iter_mut().zip(arrays.cosine).for_each(|(value, cosine)| *value = *cosine);
-        (Self { receivers: rows.len(), rows, objects, cosine }, samples)
+        (Self { receivers: rows.len(), rows, objects, cosine: filled(arrays.cosine) }, samples)
     }
 
     /// Takes these receivers in the place of any others: per receiver the own occlusion of three vertices and their weights.
@@ -96,7 +94,10 @@ fn add_field(rows: &mut Vec<Row>, samples: &mut Vec<Row>, field: &FieldArrays<'_
         match shell.values {
             StoredValues::U8(values) => {
                 add_values(samples, values, [stride, count]);
-                let scale = |k: usize| [shell.least, shell.step].map(|values| four(values, k).map(f32::to_bits));
+                let scale = |k: usize| {
+                    [shell.least, shell.step]
+                        .map(|values| filled(values.get(k..).unwrap_or_default()).map(f32::to_bits))
+                };
                 rows.extend((0..count).step_by(4).flat_map(scale));
             }
             StoredValues::F16(values) => add_values(samples, values, [stride, count]),
@@ -109,11 +110,6 @@ fn add_field(rows: &mut Vec<Row>, samples: &mut Vec<Row>, field: &FieldArrays<'_
     rows[first + 1] = [field.step.recip().to_bits(), outermost.to_bits(), 0, 0];
     add_values(rows, field.outer, [field.outer.len().max(1); 2]);
     first as u32
-}
-
-/// Four values from `first` on, 0 past the last.
-fn four(values: &[f32], first: usize) -> [f32; 4] {
-    std::array::from_fn(|k| values.get(first + k).copied().unwrap_or(0.0))
 }
 
 /// Adds the first `count` of every `stride` values in as few bits as they have, each time in rows of their own.

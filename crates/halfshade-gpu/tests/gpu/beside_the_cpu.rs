@@ -70,7 +70,8 @@ fn told(error: StrategyError) -> String {
     error.to_string()
 }
 
-fn shaded(
+/// Radiance of receivers in the first frame of a scene.
+pub(super) fn shaded(
     strategy: &dyn Strategy,
     scene: &Scene,
     receivers: &ReceiverBuffer,

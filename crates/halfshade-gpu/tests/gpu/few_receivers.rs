@@ -1,11 +1,8 @@
 //! Fewer receivers than the smallest buffer holds.
 
-use crate::{Strategies, on};
+use crate::{Strategies, beside_the_cpu::shaded, on};
 use glam::Vec3;
-use halfshade_scene::{
-    Environment, Object, Pose, RadianceBuffer, ReceiverBuffer, Scene, Sphere, SphereSet, builtin::shapes,
-    progress::Silent,
-};
+use halfshade_scene::{Environment, Object, Pose, ReceiverBuffer, Scene, Sphere, SphereSet, builtin::shapes};
 use halfshade_strategy::StrategyError;
 use libtest_mimic::Failed;
 use std::sync::Arc;
@@ -17,18 +14,9 @@ pub(super) fn compare(strategies: &Strategies) -> Result<(), Failed> {
     let ball = Object::new("ball", shapes::sphere(3)).spheres(Arc::new(set)).pose(pose);
     let objects = vec![Object::new("ground", shapes::plane(2)), ball];
     let scene = Scene { bounces: 1, ..Scene::at_rest("few", objects, Environment::constant(Vec3::ONE)) };
-    let frame = scene.frame(0);
-    let all = ReceiverBuffer::vertices(&frame);
+    let all = ReceiverBuffer::vertices(&scene.frame(0));
     let strategy = on(strategies, "sh-exp");
-    let shaded = |receivers: &ReceiverBuffer| -> Result<RadianceBuffer, StrategyError> {
-        let mut baked = strategy.bake(&scene, &strategy.info().defaults(), &Silent)?;
-        baked.place_receivers(&frame, receivers.view())?;
-        let prepared = baked.prepare(&frame)?;
-        let mut out = RadianceBuffer::zeros(receivers.len());
-        prepared.shade(receivers.view(), out.view_mut());
-        prepared.read_back(out.view_mut())?;
-        Ok(out)
-    };
+    let shaded = |receivers: &ReceiverBuffer| shaded(strategy, &scene, receivers, "");
     let told = |error: StrategyError| Failed::from(error.to_string());
     let expected = shaded(&all).map_err(told)?;
     for count in [0, 1, 3, 7, 15, 17] {

@@ -83,7 +83,7 @@ impl<'a> ReflectionArrays<'a> {
 
     /// Rotations of radiance vectors into light space: each at least once, and the number of that of each emitter.
     pub fn rotations(&self, frame: &Frame<'_>, turns: &[DQuat]) -> (Vec<ShRotation>, Vec<u32>) {
-        let into_light = emitters::IntoLight::new(self.bands(), frame);
+        let into_light = emitters::IntoLight::new(self.tables.bands, frame);
         let mut rotations = into_light.of_objects();
         let mut number = |(&object, &turn): (&u32, &DQuat)| {
             if turn == DQuat::IDENTITY {
@@ -94,10 +94,6 @@ impl<'a> ReflectionArrays<'a> {
         };
         let numbers = self.owners.iter().zip(turns).map(&mut number).collect();
         (rotations, numbers)
-    }
-
-    fn bands(&self) -> usize {
-        self.tables.bands
     }
 }
 
@@ -132,8 +128,8 @@ pub struct FrameArrays<'a> {
     pub blockers_from_light: DMat3,
     /// How each emitter has turned within its object since rest.
     pub turns: &'a [DQuat],
-    /// Whether nothing has a colour.
-    pub is_grey: bool,
+    /// Channels of what spheres radiate: 1 or 3, or 0 if they don't.
+    pub radiance_channels: usize,
     /// Per emitter and channel what it radiates, after a [`FirstPass::Here`]; channels follow each other.
     pub radiance: &'a [f32],
     /// Objects without spheres as each object sees them, and the same if they were black; empty if they aren't seen.
@@ -191,6 +187,7 @@ impl BakedScene {
     /// Light and space of the frame.
     pub fn frame_arrays(&self) -> FrameArrays<'_> {
         let FrameData { space, light, ground, .. } = &self.data;
+        let reflections = self.tables.reflections.as_ref();
         let fields = ground.as_ref().map(|ground| &ground.fields);
         FrameArrays {
             light: &light.by_normal,
@@ -199,7 +196,7 @@ impl BakedScene {
             center: space.center,
             blockers_from_light: space.blockers_from_light,
             turns: &self.data.turns,
-            is_grey: light.by_normal.is_grey(),
+            radiance_channels: reflections.map_or(0, |tables| tables.channels(light.by_normal.is_grey())),
             radiance: &self.data.radiance.vectors,
             ground: fields.map_or([&[], &[]], |fields| [&fields.seen, &fields.taken]),
         }

@@ -102,6 +102,11 @@ impl ReflectionTables {
         }
     }
 
+    /// Channels of what spheres radiate under light that is grey or not.
+    pub(crate) fn channels(&self, light_is_grey: bool) -> usize {
+        if light_is_grey { self.surface_channels } else { 3 }
+    }
+
     /// Whether `frame` is of the scene that this was made for, as far as its objects' spheres tell.
     pub(crate) fn fits(&self, frame: &Frame<'_>, hierarchies: &mut Hierarchies) -> bool {
         let mut owners = Vec::with_capacity(self.owners.len());

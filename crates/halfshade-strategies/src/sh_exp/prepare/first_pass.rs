@@ -17,7 +17,7 @@ const SAMPLE_POINT_CHUNK: usize = 256;
 
 /// Lets all spheres radiate, and objects without spheres if they are seen.
 pub(crate) fn run(tables: &Tables, reflections: &ReflectionTables, data: &mut FrameData, frame: &Frame<'_>) {
-    let channels = if data.light.by_normal.is_grey() { reflections.surface_channels } else { 3 };
+    let channels = reflections.channels(data.light.by_normal.is_grey());
     emitters::place(reflections, frame, &mut data.points);
     data.radiance = Default::default();
     let points_on_ground = |ground: &Option<GroundView>| ground.as_ref().map_or(0, |ground| ground.points.len());
