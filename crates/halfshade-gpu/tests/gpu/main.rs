@@ -137,7 +137,7 @@ fn main() -> ExitCode {
     );
     add("clocks".to_owned(), Box::new(|all| clocks::compare(&all)));
     add("few_receivers".to_owned(), Box::new(|all| few_receivers::compare(&all)));
-    for (name, test) in twins::TESTS {
+    for &(name, test) in twins::TESTS {
         let gpu = gpu.clone();
         let run = move || gpu.map_or(Ok(()), |gpu| test(&gpu));
         trials.push(Trial::test(format!("twins::{name}"), run).with_ignored_flag(on_device.is_none()));

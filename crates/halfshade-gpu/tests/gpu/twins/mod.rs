@@ -1,0 +1,74 @@
+//! Functions of the shaders, one by one, beside double precision: random inputs and extremes.
+
+mod light;
+mod rays;
+mod vectors;
+mod visibility;
+
+use glam::DVec3;
+use halfshade_gpu::{Gpu, kernels::KERNELS};
+use libtest_mimic::Failed;
+use rand::RngExt;
+use rand_pcg::Pcg64Mcg;
+use std::{f64::consts::PI, sync::Arc};
+
+type Test = fn(&Arc<Gpu>) -> Result<(), Failed>;
+
+pub(super) const TESTS: &[(&str, Test)] = &[
+    ("vectors", vectors::vectors),
+    ("tangent_plane", visibility::tangent_plane),
+    ("blocker", visibility::blocker),
+    ("exponential", visibility::exponential),
+    ("cap", light::cap),
+    ("octahedral", light::octahedral),
+    ("random", rays::random),
+    ("near_zero", light::near_zero),
+];
+
+/// Calls per test.
+const CALLS: usize = 4096;
+
+/// The tolerance that the table of kernels gives a file.
+fn tolerance(shader: &str) -> f64 {
+    let twin = KERNELS.iter().flat_map(|kernel| kernel.twins).find(|twin| twin.shader == shader);
+    twin.expect("in the table").tolerance
+}
+
+/// All found are finite and differ by at most `tolerance` times the largest that is expected.
+fn compare(what: &str, tolerance: f64, found: &[[f32; 4]], expected: &[f64], width: usize) -> Result<(), Failed> {
+    let rows = width.div_ceil(4);
+    let found: Vec<f64> = (found.chunks(rows))
+        .flat_map(|rows| rows.as_flattened()[..width].iter().map(|&value| f64::from(value)))
+        .collect();
+    if found.len() != expected.len() {
+        return Err(format!("{what}: {} values, not {}", found.len(), expected.len()).into());
+    }
+    let largest = expected.iter().fold(0.0f64, |most, value| most.max(value.abs()));
+    for (place, (found, expected)) in found.iter().zip(expected).enumerate() {
+        let off = (found - expected).abs() / largest;
+        // NaN is more than any tolerance.
+        if off.is_nan() || off > tolerance {
+            let (call, element) = (place / width, place % width);
+            return Err(format!("{what}: call {call}, element {element}: {found:e}, not {expected:e}").into());
+        }
+    }
+    Ok(())
+}
+
+/// A vector in rows of four.
+fn rows(values: &[f64]) -> Vec<[f32; 4]> {
+    values.chunks(4).map(|four| std::array::from_fn(|k| four.get(k).copied().unwrap_or(0.0) as f32)).collect()
+}
+
+/// The number that single precision makes of a number.
+fn single(value: f64) -> f64 {
+    f64::from(value as f32)
+}
+
+fn direction(random: &mut Pcg64Mcg) -> DVec3 {
+    let z: f64 = random.random_range(-1.0..1.0);
+    let (sin, cos) = random.random_range(0.0..2.0 * PI).sin_cos();
+    let across = (1.0 - z * z).sqrt();
+    // As the device gets it.
+    DVec3::new(across * cos, across * sin, z).as_vec3().as_dvec3()
+}
