@@ -19,17 +19,23 @@ fn seen_from(blocker: Blocker, position: vec3f, normal: vec3f) -> Seen {
     return Seen(moved.offset * sqrt(per_distance_squared), sin_squared);
 }
 
-// Zonal vector of a blocker by the table that begins at a row, times its factors and `sqrt(4π/(2l+1))` of the rotation.
-fn zonal(blocker: Blocker, sin_squared: f32, table: u32) -> ShBands {
+// Zonal vector of a blocker's logarithm by the table that begins at a row, times its factors and `sqrt(4π/(2l+1))` of the
+// rotation.
+fn zonal_log(blocker: Blocker, sin_squared: f32, table: u32) -> ShBands {
+    return zonal(sin_squared, table, blocker.low_factors, blocker.high_factors);
+}
+
+// Zonal vector by the table that begins at a row, times factors by band and `sqrt(4π/(2l+1))` of the rotation.
+fn zonal(sin_squared: f32, table: u32, low_factors: vec4f, high_factors: vec4f) -> ShBands {
     let at = INTERVALS - sqrt(1.0 - sin_squared) * INTERVALS;
     let interval = min(floor(at), INTERVALS - 1.0);
     let t = at - interval;
     let row = table + 2u * u32(interval);
-    let low = (tables[row] + tables[row + 1u] * t) * sin_squared * blocker.low_factors;
+    let low = (tables[row] + tables[row + 1u] * t) * sin_squared * low_factors;
     var high = vec4f(0.0);
     if (SH_BANDS > 4u) {
         let second = row + 2u * u32(INTERVALS);
-        high = (tables[second] + tables[second + 1u] * t) * sin_squared * blocker.high_factors;
+        high = (tables[second] + tables[second + 1u] * t) * sin_squared * high_factors;
     }
     return sh_bands(low, high);
 }

@@ -112,7 +112,7 @@ fn sum_of_nearer(place: u32, position: vec3f, normal: vec3f, cut: Cut, of_skippe
         if (is_nearer && is_skipped(blockers[place].emitter, other.emitter) == of_skipped) {
             let seen = seen_from(other, position, normal);
             if (seen.sin_squared > 0.0) {
-                sum = sh_add_lobe(seen.direction, zonal(other, seen.sin_squared, frame.log_table), sum);
+                sum = sh_add_lobe(seen.direction, zonal_log(other, seen.sin_squared, frame.log_table), sum);
             }
         }
     }
@@ -149,7 +149,7 @@ fn gather(position: vec3f, normal: vec3f, cut: Cut) -> Gathered {
                 continue;
             }
             let basis = sh_basis(seen.direction);
-            let log = sh_times_bands(basis, zonal(blocker, seen.sin_squared, frame.log_table));
+            let log = sh_times_bands(basis, zonal_log(blocker, seen.sin_squared, frame.log_table));
             let radiance = radiated(blocker, basis, sqrt(seen.sin_squared));
             if (IS_PRECOMPUTED || IS_QUADRATIC) {
                 if (any(radiance != vec3f(0.0))) {

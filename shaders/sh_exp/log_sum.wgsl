@@ -7,7 +7,7 @@ fn log_sum(position: vec3f, normal: vec3f, cut: Cut) -> Sh {
         let blocker = blockers[i];
         let seen = seen_from(blocker, position, normal);
         if (seen.sin_squared > 0.0) {
-            sum = sh_add_lobe(seen.direction, zonal(blocker, seen.sin_squared, 0u), sum);
+            sum = sh_add_lobe(seen.direction, zonal_log(blocker, seen.sin_squared, 0u), sum);
         }
     }
     return sum;

@@ -6,10 +6,11 @@ fn product_of_blockers(position: vec3f, normal: vec3f, cut: Cut) -> Sh {
     // V - 1.
     var h = Sh();
     for (var i = cut.first; i < cut.end; i++) {
-        let blocker = blockers[i];
-        let seen = seen_from(blocker, position, normal);
+        let seen = seen_from(blockers[i], position, normal);
         if (seen.sin_squared > 0.0) {
-            let minus_cap = sh_add_lobe(seen.direction, zonal(blocker, seen.sin_squared, 0u), Sh());
+            // Factors are those of logarithms.
+            let one = vec4f(1.0);
+            let minus_cap = sh_add_lobe(seen.direction, zonal(seen.sin_squared, 0u, one, one), Sh());
             // V*(1 - C) - 1 = (V - 1) - C + (V - 1)*(-C)
             h = limit_difference(sh_plus(sh_plus(h, minus_cap), sh_product(h, minus_cap)));
         }

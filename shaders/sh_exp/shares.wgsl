@@ -93,13 +93,10 @@ fn shares_of_blockers(position: vec3f, normal: vec3f, cut: Cut) -> Sh {
     // V - 1.
     var h = Sh();
     for (var i = cut.first; i < cut.end; i++) {
-        var blocker = blockers[i];
-        let seen = seen_from(blocker, position, normal);
+        let seen = seen_from(blockers[i], position, normal);
         if (seen.sin_squared > 0.0) {
-            let share = exposed_share(i, cap_of(seen), position, normal, cut);
-            blocker.low_factors = vec4f(share);
-            blocker.high_factors = vec4f(share);
-            h = sh_add_lobe(seen.direction, zonal(blocker, seen.sin_squared, 0u), h);
+            let share = vec4f(exposed_share(i, cap_of(seen), position, normal, cut));
+            h = sh_add_lobe(seen.direction, zonal(seen.sin_squared, 0u, share, share), h);
         }
     }
     h = limit_difference(h);

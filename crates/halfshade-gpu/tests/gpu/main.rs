@@ -38,9 +38,10 @@ const SH_EXP: [&str; 9] = [
 ];
 
 /// Settings of `sh-exp` that are only compared with the CPU, which is held to the contract.
-const SH_EXP_BESIDE: [&str; 7] = [
+const SH_EXP_BESIDE: [&str; 8] = [
     "bounces=0,exp=series",
     "bounces=0,exp=optimal-linear,bands=2",
+    "bounces=0,exp=product,overlap=shared",
     "intersections=precomputed,order=power,clamp=on",
     "walk=quadratic,reflection-exp=series,bands=3",
     "exp=product,reflection-exp=optimal-linear,levels=cluster",

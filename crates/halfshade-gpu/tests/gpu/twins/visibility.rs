@@ -101,10 +101,7 @@ pub(super) fn blocker(gpu: &Arc<Gpu>) -> Result<(), Failed> {
         let tables = tables(&format!("bands={bands}"))?;
         let sines: Vec<f64> = (0..CALLS).map(|i| single((i as f64 / (CALLS - 1) as f64).powi(3).max(1e-12))).collect();
         let inputs: Vec<[f32; 4]> = sines.iter().map(|&squared| [squared as f32, 0.0, 0.0, 0.0]).collect();
-        let body = "var blocker = Blocker();
-            blocker.low_factors = vec4f(1.0);
-            blocker.high_factors = vec4f(1.0);
-            let found = zonal(blocker, input[0].x, 0u);
+        let body = "let found = zonal(input[0].x, 0u, vec4f(1.0), vec4f(1.0));
             for (var l = 0u; l < SH_BANDS; l++) { output[l / 4u][l % 4u] = found[l]; }";
         let found = Probe {
             shader: "sh_exp/blocker.wgsl",
