@@ -34,7 +34,8 @@ pub(super) fn space(baked: &BakedScene, arrays: &FrameArrays<'_>) -> KernelSpace
 /// Refuses what a driver in software would leave half done.
 pub(super) fn check_rounds(gpu: &Gpu, arrays: &SceneArrays<'_>, spheres: usize) -> Result<(), GpuError> {
     let of_shadows = match arrays.combination {
-        CombinationArrays::Shares { points } => spheres * spheres * points.div_ceil(8),
+        // Ends of loops count as rounds, too.
+        CombinationArrays::Shares { points } => spheres * (spheres + 2) * points.div_ceil(8) + 2 * spheres,
         _ => spheres,
     };
     let of_reflections = arrays.reflections.map_or(0, |reflections| {
