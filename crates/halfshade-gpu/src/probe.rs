@@ -1,13 +1,19 @@
 //! Single functions of the shaders, called with rows of numbers: for tests that hold each twin to double precision.
 
-pub use crate::sh_exp::tables::{FrameUniforms, LinearTable, Tables};
+pub use crate::sh_exp::{
+    first_pass::{Emitter, Rounds},
+    frame::DeviceBlocker,
+    tables::{FrameUniforms, LinearTable, Tables},
+};
 
 use crate::{
     Gpu, GpuError,
     device::DeviceBuffer,
-    pipeline::{Pass, PassClock, Pipeline},
+    kernels::Kernel,
+    pipeline::{Pass, PassClock, Pipeline, WORKGROUP},
     shader,
 };
+use bytemuck::NoUninit;
 use std::sync::Arc;
 
 /// Calls of a function, one per invocation.
@@ -23,8 +29,71 @@ pub struct Probe<'a> {
     pub rows: [usize; 2],
     /// Statements that read `input` and write `output`, arrays of `vec4f`.
     pub body: &'a str,
-    /// The frame's settings and rows of tables, as group 1 of `sh_exp` has them, if the function reads them.
-    pub tables: Option<(&'a FrameUniforms, &'a [[f32; 4]])>,
+    /// Variables of group 1 that the function reads.
+    pub variables: &'a [Variable<'a>],
+}
+
+/// A variable of a shader that is bound to a buffer, and what it holds.
+#[derive(Debug, Clone, Copy)]
+pub struct Variable<'a> {
+    binding: u32,
+    name: &'a str,
+    bytes: &'a [u8],
+    is_uniform: bool,
+}
+
+impl<'a> Variable<'a> {
+    /// A struct in `uniform` memory.
+    pub fn uniform<T: NoUninit>(binding: u32, name: &'a str, value: &'a T) -> Self {
+        Self { binding, name, bytes: bytemuck::bytes_of(value), is_uniform: true }
+    }
+
+    /// An array in `storage` that is only read.
+    pub fn storage<T: NoUninit>(binding: u32, name: &'a str, values: &'a [T]) -> Self {
+        Self { binding, name, bytes: bytemuck::cast_slice(values), is_uniform: false }
+    }
+
+    fn buffer(&self, gpu: &Gpu) -> Result<DeviceBuffer, GpuError> {
+        if !self.is_uniform {
+            return gpu.filled(self.name, self.bytes);
+        }
+        let buffer = gpu.uniforms(self.name, self.bytes.len() as u64)?;
+        gpu.queue.write_buffer(&buffer.buffer, 0, self.bytes);
+        Ok(buffer)
+    }
+
+    /// A statement that uses it: a binding that nothing uses isn't there.
+    fn use_of(&self) -> String {
+        if self.is_uniform { format!("_ = {};", self.name) } else { format!("_ = arrayLength(&{});", self.name) }
+    }
+}
+
+fn buffers(gpu: &Gpu, variables: &[Variable<'_>]) -> Result<Vec<(DeviceBuffer, u32)>, GpuError> {
+    variables.iter().map(|variable| Ok((variable.buffer(gpu)?, variable.binding))).collect()
+}
+
+/// Rows that a kernel with a single group of variables writes into the last of them, having been given the others.
+pub fn run(
+    gpu: &Arc<Gpu>,
+    kernel: &Kernel,
+    bands: Option<usize>,
+    variables: &[Variable<'_>],
+    workgroups: usize,
+    rows: usize,
+) -> Result<Vec<[f32; 4]>, GpuError> {
+    let pipeline = Arc::new(Pipeline::new(gpu, kernel.name, kernel.code(bands), &[])?);
+    let given = buffers(gpu, variables)?;
+    let outputs = gpu.buffer("outputs", 16 * rows as u64)?;
+    let bound = given.iter().map(|(buffer, binding)| (buffer, *binding)).chain([(&outputs, given.len() as u32)]);
+    let bind_groups = vec![pipeline.bind_at(gpu, 0, bound)];
+    results(gpu, Pass { pipeline, bind_groups, count: workgroups * WORKGROUP as usize }, &outputs, rows)
+}
+
+fn results(gpu: &Gpu, pass: Pass, outputs: &DeviceBuffer, rows: usize) -> Result<Vec<[f32; 4]>, GpuError> {
+    PassClock::new(gpu)?.run(gpu, &[pass])?;
+    let bytes = 16 * rows as u64;
+    let staging = gpu.staging("outputs", bytes)?;
+    gpu.read_copy(outputs, &staging, bytes, |bytes| bytemuck::cast_slice(&bytes[..16 * rows]).to_vec())
 }
 
 impl Probe<'_> {
@@ -34,21 +103,14 @@ impl Probe<'_> {
         let count = inputs.len() / taken;
         let pipeline = Arc::new(Pipeline::new(gpu, "probe", self.code(), self.constants)?);
         let inputs = gpu.filled("inputs", inputs)?;
-        let bytes = (count * given * 16) as u64;
-        let outputs = gpu.buffer("outputs", bytes)?;
-        let tables = self.tables.map(|(uniforms, rows)| -> Result<[DeviceBuffer; 2], GpuError> {
-            let settings = gpu.uniforms("settings", size_of::<FrameUniforms>() as u64)?;
-            gpu.queue.write_buffer(&settings.buffer, 0, bytemuck::bytes_of(uniforms));
-            Ok([settings, gpu.filled("tables", rows)?])
-        });
-        let tables = tables.transpose()?;
+        let outputs = gpu.buffer("outputs", 16 * (count * given) as u64)?;
         let mut bind_groups = vec![pipeline.bind(gpu, 0, &[&inputs, &outputs])];
-        if let Some([settings, rows]) = &tables {
-            bind_groups.push(pipeline.bind_at(gpu, 1, [(settings, 0), (rows, 3)]));
+        let variables = buffers(gpu, self.variables)?;
+        if !variables.is_empty() {
+            let bound = variables.iter().map(|(buffer, binding)| (buffer, *binding));
+            bind_groups.push(pipeline.bind_at(gpu, 1, bound));
         }
-        PassClock::new(gpu)?.run(gpu, &[Pass { pipeline, bind_groups, count }])?;
-        let staging = gpu.staging("outputs", bytes)?;
-        gpu.read_copy(&outputs, &staging, bytes, |bytes| bytemuck::cast_slice(&bytes[..count * given * 16]).to_vec())
+        results(gpu, Pass { pipeline, bind_groups, count }, &outputs, count * given)
     }
 
     fn code(&self) -> String {
@@ -74,8 +136,7 @@ impl Probe<'_> {
                     outputs[number * {given}u + row] = output[row];
                 }}
             }}",
-            // A binding that nothing uses isn't there.
-            bound = if self.tables.is_some() { "_ = frame.grid_cells; _ = tables[0];" } else { "" },
+            bound = self.variables.iter().map(Variable::use_of).collect::<String>(),
             body = self.body
         );
         code.push_str(&entry);

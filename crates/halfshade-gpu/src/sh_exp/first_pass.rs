@@ -20,21 +20,23 @@ use std::sync::Arc;
 /// A sphere that radiates, as `sh_exp/emit.wgsl` reads it.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
-pub(crate) struct Emitter {
-    pub(crate) first_sample: u32,
-    pub(crate) samples: u32,
-    pub(crate) weights: u32,
-    pub(crate) rotation: u32,
+#[expect(missing_docs, reason = "fields are told of in `sh_exp/emit.wgsl`")]
+pub struct Emitter {
+    pub first_sample: u32,
+    pub samples: u32,
+    pub weights: u32,
+    pub rotation: u32,
 }
 
 /// Settings of all rounds, as `sh_exp/emit.wgsl` reads them.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-pub(crate) struct Rounds {
-    pub(crate) channels: u32,
-    pub(crate) surface_channels: u32,
-    pub(crate) used: u32,
-    pub(crate) samples: u32,
+#[expect(missing_docs, reason = "fields are told of in `sh_exp/emit.wgsl`")]
+pub struct Rounds {
+    pub channels: u32,
+    pub surface_channels: u32,
+    pub used: u32,
+    pub samples: u32,
 }
 
 /// Sample points and weights of all spheres on the device.

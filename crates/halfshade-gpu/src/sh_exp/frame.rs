@@ -12,13 +12,14 @@ use halfshade_strategies::sh_exp::{
 /// A sphere, as `sh_exp/frame.wgsl` reads it.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
-pub(crate) struct DeviceBlocker {
-    pub(crate) center: [f32; 3],
-    pub(crate) radius: f32,
-    pub(crate) factors: [f32; 8],
-    pub(crate) emitter: u32,
-    pub(crate) reflection_factor: f32,
-    pub(crate) padding: [u32; 2],
+#[expect(missing_docs, reason = "fields are told of in `sh_exp/frame.wgsl`")]
+pub struct DeviceBlocker {
+    pub center: [f32; 3],
+    pub radius: f32,
+    pub factors: [f32; 8],
+    pub emitter: u32,
+    pub reflection_factor: f32,
+    pub padding: [u32; 2],
 }
 
 /// Rounds of loops after which a driver in software ends them, whatever is left to do.

@@ -10,33 +10,35 @@ use halfshade_strategies::sh_exp::arrays::{
 /// Settings of a frame, as `sh_exp/frame.wgsl` reads them.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Default, Pod, Zeroable)]
+#[expect(missing_docs, reason = "fields are told of in `sh_exp/frame.wgsl`")]
 pub struct FrameUniforms {
-    pub(crate) cosine: [f32; 8],
-    pub(crate) reflectance: [f32; 8],
-    pub(crate) light: [f32; 4],
-    pub(crate) sun_direction: [f32; 4],
-    pub(crate) sun_perpendicular: [f32; 4],
-    pub(crate) shadow_table: LinearTable,
-    pub(crate) reflection_table: LinearTable,
-    pub(crate) light_table: u32,
-    pub(crate) sun_table: u32,
-    pub(crate) log_table: u32,
-    pub(crate) form_table: u32,
-    pub(crate) grid_cells: f32,
-    pub(crate) masks: u32,
-    pub(crate) ground: u32,
-    pub(crate) fan: u32,
-    pub(crate) share_space: [[f32; 4]; 3],
+    pub cosine: [f32; 8],
+    pub reflectance: [f32; 8],
+    pub light: [f32; 4],
+    pub sun_direction: [f32; 4],
+    pub sun_perpendicular: [f32; 4],
+    pub shadow_table: LinearTable,
+    pub reflection_table: LinearTable,
+    pub light_table: u32,
+    pub sun_table: u32,
+    pub log_table: u32,
+    pub form_table: u32,
+    pub grid_cells: f32,
+    pub masks: u32,
+    pub ground: u32,
+    pub fan: u32,
+    pub share_space: [[f32; 4]; 3],
 }
 
 /// A table of the optimal linear form.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Default, Pod, Zeroable)]
+#[expect(missing_docs, reason = "fields are told of in `sh_exp/frame.wgsl`")]
 pub struct LinearTable {
-    pub(crate) row: u32,
-    pub(crate) last: f32,
-    pub(crate) limit: f32,
-    pub(crate) per_magnitude: f32,
+    pub row: u32,
+    pub last: f32,
+    pub limit: f32,
+    pub per_magnitude: f32,
 }
 
 /// Rows of four, and the settings that tell of them.

@@ -28,7 +28,7 @@ pub(super) fn cap(gpu: &Arc<Gpu>) -> Result<(), Failed> {
         let body = "output[0].x = cap_irradiance(input[0].x, input[0].y);";
         let shader = "common/cap.wgsl";
         let found =
-            Probe { shader, bands: None, constants: &[], rows: [1, 1], body, tables: None }.call(gpu, &inputs)?;
+            Probe { shader, bands: None, constants: &[], rows: [1, 1], body, variables: &[] }.call(gpu, &inputs)?;
         let expected: Vec<f64> = cosines.iter().map(|&cosine| cap_irradiance(cosine, sine)).collect();
         compare(&format!("sine {sine:e}"), tolerance(shader), &found, &expected, 1)?;
     }
@@ -53,7 +53,7 @@ pub(super) fn octahedral(gpu: &Arc<Gpu>) -> Result<(), Failed> {
             output[1] = vec4f(found.weights, 0.0);";
         let shader = "common/octahedral.wgsl";
         let found =
-            Probe { shader, bands: None, constants: &[], rows: [1, 2], body, tables: None }.call(gpu, &inputs)?;
+            Probe { shader, bands: None, constants: &[], rows: [1, 2], body, variables: &[] }.call(gpu, &inputs)?;
         let value = |node: usize| (grid.direction(node).as_dvec3() * DVec3::new(1.0, 2.0, 3.0)).element_sum();
         let interpolated: Vec<[f32; 4]> = (found.as_chunks::<2>().0.iter())
             .map(|[nodes, weights]| {
@@ -80,7 +80,7 @@ pub(super) fn near_zero(gpu: &Arc<Gpu>) -> Result<(), Failed> {
     let body = "let x = input[0].x;
         output[0] = vec4f(exp_minus_one(x), exp_minus_one(-x), log_one_minus(x), 0.0) / x;";
     let shader = "common/near_zero.wgsl";
-    let found = Probe { shader, bands: None, constants: &[], rows: [1, 1], body, tables: None }.call(gpu, &inputs)?;
+    let found = Probe { shader, bands: None, constants: &[], rows: [1, 1], body, variables: &[] }.call(gpu, &inputs)?;
     let expected: Vec<f64> =
         numbers.iter().flat_map(|x| [x.exp_m1(), (-x).exp_m1(), (-x).ln_1p()].map(|y| y / x)).collect();
     compare("quotients", tolerance(shader), &found, &expected, 3)

@@ -22,7 +22,7 @@ pub(super) fn random(gpu: &Arc<Gpu>) -> Result<(), Failed> {
         output[0] = vec4f(
             coordinate(shifts.x, step, point), coordinate(shifts.y, step, point), coordinate(shifts.z, step, point), 0.0);";
     let shader = "ray_traced/random.wgsl";
-    let found = Probe { shader, bands: None, constants: &[], rows: [1, 1], body, tables: None }.call(gpu, &inputs)?;
+    let found = Probe { shader, bands: None, constants: &[], rows: [1, 1], body, variables: &[] }.call(gpu, &inputs)?;
     let split_mix = |state: u64| {
         let x = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

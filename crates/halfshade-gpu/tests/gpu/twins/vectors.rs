@@ -25,7 +25,7 @@ pub(super) fn vectors(gpu: &Arc<Gpu>) -> Result<(), Failed> {
         };
         let call = |body: &str, taken: usize, inputs: &[[f32; 4]]| {
             let rows = [taken, parts];
-            Probe { shader: "", bands: Some(bands), constants: &[], rows, body, tables: None }.call(gpu, inputs)
+            Probe { shader: "", bands: Some(bands), constants: &[], rows, body, variables: &[] }.call(gpu, inputs)
         };
         let directions: Vec<DVec3> = (0..CALLS)
             .map(|i| match i {

@@ -4,7 +4,7 @@ use super::{CALLS, compare, direction, rows, single, tolerance};
 use glam::{DVec3, Vec3};
 use halfshade_gpu::{
     Gpu,
-    probe::{Probe, Tables},
+    probe::{Probe, Tables, Variable},
 };
 use halfshade_scene::{
     Environment, Scene,
@@ -67,7 +67,7 @@ pub(super) fn tangent_plane(gpu: &Arc<Gpu>) -> Result<(), Failed> {
                 constants: &[("RULE", number), ("FULL_HEIGHT", full_height)],
                 rows: [2, 1],
                 body,
-                tables: None,
+                variables: &[],
             };
             let expected: Vec<f64> = (spheres.iter())
                 .flat_map(|&(offset, radius, normal)| {
@@ -95,6 +95,10 @@ pub(super) fn tables(settings: &str) -> Result<Tables, Failed> {
     Ok(Tables::new(&baked.scene_arrays(), &baked.frame_arrays()))
 }
 
+fn variables(tables: &Tables) -> [Variable<'_>; 2] {
+    [Variable::uniform(0, "frame", &tables.uniforms), Variable::storage(3, "tables", &tables.rows)]
+}
+
 /// Logarithms of blockers by angular radius, from a millionth to all of the hemisphere.
 pub(super) fn blocker(gpu: &Arc<Gpu>) -> Result<(), Failed> {
     for bands in 1..=MAX_WGSL_BANDS {
@@ -109,7 +113,7 @@ pub(super) fn blocker(gpu: &Arc<Gpu>) -> Result<(), Failed> {
             constants: &[],
             rows: [1, bands.div_ceil(4)],
             body,
-            tables: Some((&tables.uniforms, &tables.rows)),
+            variables: &variables(&tables),
         }
         .call(gpu, &inputs)?;
         let logarithm = Quantity::Logarithm { clip: DEFAULT_CLIP };
@@ -199,7 +203,7 @@ pub(super) fn exponential(gpu: &Arc<Gpu>) -> Result<(), Failed> {
                 constants: &constants,
                 rows: [count.div_ceil(4); 2],
                 body,
-                tables: Some((&tables.uniforms, &tables.rows)),
+                variables: &variables(&tables),
             }
             .call(gpu, &inputs)?;
             let plain = Exponential::new(bands, method, DEFAULT_CLIP);
