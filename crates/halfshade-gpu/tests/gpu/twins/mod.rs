@@ -1,7 +1,11 @@
 //! Functions of the shaders, one by one, beside double precision: random inputs and extremes.
 
+mod combinations;
+mod distant_light;
 mod light;
 mod rays;
+mod reflections;
+mod sh_exp;
 mod vectors;
 mod visibility;
 
@@ -23,6 +27,13 @@ pub(super) const TESTS: &[(&str, Test)] = &[
     ("octahedral", light::octahedral),
     ("random", rays::random),
     ("near_zero", light::near_zero),
+    ("log_sum", combinations::log_sum),
+    ("product", combinations::product),
+    ("shares", combinations::shares),
+    ("distant_light", distant_light::light),
+    ("ground", distant_light::ground),
+    ("gather", reflections::gather),
+    ("emit", reflections::emit),
 ];
 
 /// Calls per test.
@@ -45,9 +56,9 @@ fn compare(what: &str, tolerance: f64, found: &[[f32; 4]], expected: &[f64], wid
     }
     let largest = expected.iter().fold(0.0f64, |most, value| most.max(value.abs()));
     for (place, (found, expected)) in found.iter().zip(expected).enumerate() {
-        let off = (found - expected).abs() / largest;
+        let off = (found - expected).abs();
         // NaN is more than any tolerance.
-        if off.is_nan() || off > tolerance {
+        if off.is_nan() || off > tolerance * largest {
             let (call, element) = (place / width, place % width);
             return Err(format!("{what}: call {call}, element {element}: {found:e}, not {expected:e}").into());
         }
@@ -63,6 +74,19 @@ fn rows(values: &[f64]) -> Vec<[f32; 4]> {
 /// The number that single precision makes of a number.
 fn single(value: f64) -> f64 {
     f64::from(value as f32)
+}
+
+/// Numbers of either sign up to some magnitude, as the device gets them.
+fn numbers(count: usize, most: f64, random: &mut Pcg64Mcg) -> Vec<f64> {
+    (0..count).map(|_| single(most * random.random_range(-1.0..1.0))).collect()
+}
+
+/// Directions along all axes, then any.
+fn axis_or_any(number: usize, random: &mut Pcg64Mcg) -> DVec3 {
+    match number {
+        0..6 => DVec3::AXES[number / 2] * if number.is_multiple_of(2) { 1.0 } else { -1.0 },
+        _ => direction(random),
+    }
 }
 
 fn direction(random: &mut Pcg64Mcg) -> DVec3 {

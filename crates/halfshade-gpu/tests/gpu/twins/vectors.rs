@@ -1,11 +1,11 @@
 //! Vectors of spherical harmonics: basis, products, squares.
 
-use super::{CALLS, compare, direction, rows, single};
+use super::{CALLS, axis_or_any, compare, numbers, rows};
 use glam::DVec3;
 use halfshade_gpu::{Gpu, probe::Probe};
 use halfshade_sh::{basis, product, wgsl::MAX_WGSL_BANDS};
 use libtest_mimic::Failed;
-use rand::{RngExt, SeedableRng};
+use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 use std::sync::Arc;
 
@@ -27,20 +27,14 @@ pub(super) fn vectors(gpu: &Arc<Gpu>) -> Result<(), Failed> {
             let rows = [taken, parts];
             Probe { shader: "", bands: Some(bands), constants: &[], rows, body, variables: &[] }.call(gpu, inputs)
         };
-        let directions: Vec<DVec3> = (0..CALLS)
-            .map(|i| match i {
-                0..6 => DVec3::AXES[i / 2] * if i % 2 == 0 { 1.0 } else { -1.0 },
-                _ => direction(&mut random),
-            })
-            .collect();
+        let directions: Vec<DVec3> = (0..CALLS).map(|i| axis_or_any(i, &mut random)).collect();
         let inputs: Vec<[f32; 4]> = directions.iter().map(|d| d.as_vec3().extend(0.0).to_array()).collect();
         let expected: Vec<f64> = directions.iter().flat_map(|d| basis::evaluate(bands, d.to_array())).collect();
         let found = call(&give("sh_basis(input[0].xyz)"), 1, &inputs)?;
         compare(&format!("basis of {bands} bands"), GENERATED, &found, &expected, count)?;
 
-        let pairs: Vec<[Vec<f64>; 2]> = (0..CALLS)
-            .map(|_| std::array::from_fn(|_| (0..count).map(|_| single(random.random_range(-1.0..1.0))).collect()))
-            .collect();
+        let pairs: Vec<[Vec<f64>; 2]> =
+            (0..CALLS).map(|_| std::array::from_fn(|_| numbers(count, 1.0, &mut random))).collect();
         let inputs: Vec<[f32; 4]> = pairs.iter().flatten().flat_map(|vector| rows(vector)).collect();
         let products: Vec<f64> = pairs.iter().flat_map(|[a, b]| product::product(a, b)).collect();
         let found =

@@ -1,16 +1,9 @@
-//! What spheres block: the tangent plane's rules, logarithms by angular radius, exponentials of their sums.
+//! Blocking by spheres: the tangent plane's rules, logarithms by angular radius, exponentials of their sums.
 
-use super::{CALLS, compare, direction, rows, single, tolerance};
-use glam::{DVec3, Vec3};
-use halfshade_gpu::{
-    Gpu,
-    probe::{Probe, Tables, Variable},
-};
-use halfshade_scene::{
-    Environment, Scene,
-    progress::Silent,
-    spheres::{AdjustRule, COVER_HEIGHT, FADE_HEIGHT, adjust},
-};
+use super::{CALLS, compare, direction, rows, sh_exp::Frame, single, tolerance};
+use glam::DVec3;
+use halfshade_gpu::{Gpu, probe::Probe};
+use halfshade_scene::spheres::{AdjustRule, COVER_HEIGHT, FADE_HEIGHT, adjust};
 use halfshade_sh::{
     blocker_table::{BlockerTable, Quantity},
     dispatch_bands,
@@ -20,8 +13,6 @@ use halfshade_sh::{
     wgsl::MAX_WGSL_BANDS,
     zonal,
 };
-use halfshade_strategies::{ShExp, sh_exp::arrays::FirstPass};
-use halfshade_strategy::Strategy;
 use libtest_mimic::Failed;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -86,23 +77,10 @@ pub(super) fn tangent_plane(gpu: &Arc<Gpu>) -> Result<(), Failed> {
     Ok(())
 }
 
-/// The tables of `sh-exp` with some settings.
-pub(super) fn tables(settings: &str) -> Result<Tables, Failed> {
-    let scene = Scene::at_rest("empty", Vec::new(), Environment::constant(Vec3::ONE));
-    let params = ShExp.info().parse(settings).map_err(|error| Failed::from(error.to_string()))?;
-    let mut baked = ShExp::bake_scene(&scene, &params, &Silent).map_err(|error| Failed::from(error.to_string()))?;
-    (baked.prepare_frame(&scene.frame(0), FirstPass::Here)).map_err(|error| Failed::from(error.to_string()))?;
-    Ok(Tables::new(&baked.scene_arrays(), &baked.frame_arrays()))
-}
-
-fn variables(tables: &Tables) -> [Variable<'_>; 2] {
-    [Variable::uniform(0, "frame", &tables.uniforms), Variable::storage(3, "tables", &tables.rows)]
-}
-
 /// Logarithms of blockers by angular radius, from a millionth to all of the hemisphere.
 pub(super) fn blocker(gpu: &Arc<Gpu>) -> Result<(), Failed> {
     for bands in 1..=MAX_WGSL_BANDS {
-        let tables = tables(&format!("bands={bands}"))?;
+        let frame = Frame::new(&format!("bands={bands},bounces=0"))?;
         let sines: Vec<f64> = (0..CALLS).map(|i| single((i as f64 / (CALLS - 1) as f64).powi(3).max(1e-12))).collect();
         let inputs: Vec<[f32; 4]> = sines.iter().map(|&squared| [squared as f32, 0.0, 0.0, 0.0]).collect();
         let body = "let found = zonal(input[0].x, 0u, vec4f(1.0), vec4f(1.0));
@@ -113,7 +91,7 @@ pub(super) fn blocker(gpu: &Arc<Gpu>) -> Result<(), Failed> {
             constants: &[],
             rows: [1, bands.div_ceil(4)],
             body,
-            variables: &variables(&tables),
+            variables: &frame.variables(),
         }
         .call(gpu, &inputs)?;
         let logarithm = Quantity::Logarithm { clip: DEFAULT_CLIP };
@@ -179,7 +157,7 @@ pub(super) fn exponential(gpu: &Arc<Gpu>) -> Result<(), Failed> {
         ];
         for (name, number, method) in forms {
             let is_blended = !name.ends_with("published");
-            let tables = tables(&format!("bands={bands},exp={name}"))?;
+            let frame = Frame::new(&format!("bands={bands},bounces=0,exp={name}"))?;
             let limit = match method {
                 Method::OptimalLinear => -1.0,
                 Method::Hybrid { magnitude_limit } | Method::Quadratic { magnitude_limit } => magnitude_limit,
@@ -203,7 +181,7 @@ pub(super) fn exponential(gpu: &Arc<Gpu>) -> Result<(), Failed> {
                 constants: &constants,
                 rows: [count.div_ceil(4); 2],
                 body,
-                variables: &variables(&tables),
+                variables: &frame.variables(),
             }
             .call(gpu, &inputs)?;
             let plain = Exponential::new(bands, method, DEFAULT_CLIP);
