@@ -28,7 +28,7 @@ pub(crate) const MOST_IN_LEAF: u32 = 4;
 /// Two children, as `ray_traced/traverse.wgsl` reads them.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
-pub(crate) struct Node {
+pub struct Node {
     pub(crate) left_low: [f32; 3],
     pub(crate) left: u32,
     pub(crate) left_high: [f32; 3],

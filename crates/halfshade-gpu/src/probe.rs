@@ -1,9 +1,13 @@
 //! Single functions of the shaders, called with rows of numbers: for tests that hold each twin to double precision.
 
-pub use crate::sh_exp::{
-    first_pass::{Emitter, Rounds},
-    frame::DeviceBlocker,
-    tables::{FrameUniforms, LinearTable, Tables},
+pub use crate::{
+    ray_traced::buffers::RayBuffers,
+    sh_exp::{
+        first_pass::{Emitter, Rounds},
+        frame::DeviceBlocker,
+        tables::{FrameUniforms, LinearTable, Tables},
+    },
+    shadow_field::buffers::FieldBuffers,
 };
 
 use crate::{
@@ -29,13 +33,17 @@ pub struct Probe<'a> {
     pub rows: [usize; 2],
     /// Statements that read `input` and write `output`, arrays of `vec4f`.
     pub body: &'a str,
-    /// Variables of group 1 that the function reads.
+    /// Variables that the function reads.
     pub variables: &'a [Variable<'a>],
 }
 
-/// A variable of a shader that is bound to a buffer, and what it holds.
+/// The group of what calls get and give, behind all groups of shaders.
+const CALLS: u32 = 2;
+
+/// A variable of a shader that is bound to a buffer, and what it holds: one of group 1, unless it is of another.
 #[derive(Debug, Clone, Copy)]
 pub struct Variable<'a> {
+    group: u32,
     binding: u32,
     name: &'a str,
     bytes: &'a [u8],
@@ -45,12 +53,17 @@ pub struct Variable<'a> {
 impl<'a> Variable<'a> {
     /// A struct in `uniform` memory.
     pub fn uniform<T: NoUninit>(binding: u32, name: &'a str, value: &'a T) -> Self {
-        Self { binding, name, bytes: bytemuck::bytes_of(value), is_uniform: true }
+        Self { group: 1, binding, name, bytes: bytemuck::bytes_of(value), is_uniform: true }
     }
 
     /// An array in `storage` that is only read.
     pub fn storage<T: NoUninit>(binding: u32, name: &'a str, values: &'a [T]) -> Self {
-        Self { binding, name, bytes: bytemuck::cast_slice(values), is_uniform: false }
+        Self { group: 1, binding, name, bytes: bytemuck::cast_slice(values), is_uniform: false }
+    }
+
+    /// The same in another group than 1.
+    pub fn of_group(self, group: u32) -> Self {
+        Self { group, ..self }
     }
 
     fn buffer(&self, gpu: &Gpu) -> Result<DeviceBuffer, GpuError> {
@@ -104,12 +117,13 @@ impl Probe<'_> {
         let pipeline = Arc::new(Pipeline::new(gpu, "probe", self.code(), self.constants)?);
         let inputs = gpu.filled("inputs", inputs)?;
         let outputs = gpu.buffer("outputs", 16 * (count * given) as u64)?;
-        let mut bind_groups = vec![pipeline.bind(gpu, 0, &[&inputs, &outputs])];
         let variables = buffers(gpu, self.variables)?;
-        if !variables.is_empty() {
-            let bound = variables.iter().map(|(buffer, binding)| (buffer, *binding));
-            bind_groups.push(pipeline.bind_at(gpu, 1, bound));
-        }
+        let bind = |group: u32| {
+            let bound = self.variables.iter().zip(&variables).filter(|(variable, _)| variable.group == group);
+            pipeline.bind_at(gpu, group, bound.map(|(_, (buffer, binding))| (buffer, *binding)))
+        };
+        let mut bind_groups: Vec<_> = (0..CALLS).map(bind).collect();
+        bind_groups.push(pipeline.bind(gpu, CALLS, &[&inputs, &outputs]));
         results(gpu, Pass { pipeline, bind_groups, count }, &outputs, count * given)
     }
 
@@ -117,8 +131,8 @@ impl Probe<'_> {
         let [taken, given] = self.rows;
         let mut code = shader::module(self.shader, self.bands);
         let entry = format!(
-            "@group(0) @binding(0) var<storage, read> inputs: array<vec4f>;
-            @group(0) @binding(1) var<storage, read_write> outputs: array<vec4f>;
+            "@group({CALLS}) @binding(0) var<storage, read> inputs: array<vec4f>;
+            @group({CALLS}) @binding(1) var<storage, read_write> outputs: array<vec4f>;
             @compute @workgroup_size(64)
             fn main(@builtin(global_invocation_id) invocation: vec3u) {{
                 let number = invocation.x;

@@ -1,15 +1,23 @@
-//! Settings of a frame.
+//! A frame in rows of four numbers, and its settings.
 
-use crate::rows::row;
+use super::{meshes::Meshes, tables::Tables};
+use crate::{
+    GpuError,
+    receivers::KernelSpace,
+    rows::{Row, bits, fours, row},
+};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
-use halfshade_scene::light::DistantLight;
-use halfshade_strategies::ray_traced::arrays::{LightSampler, SampleArrays};
+use halfshade_scene::{
+    Frame,
+    light::{DistantLight, EnvironmentMap},
+};
+use halfshade_strategies::ray_traced::arrays::{AliasTable, LightSampler, SampleArrays};
 
 /// Settings of a frame, as `ray_traced/frame.wgsl` reads them.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Default, Pod, Zeroable)]
-pub(crate) struct FrameUniforms {
+pub struct FrameUniforms {
     pub(crate) environment: [[f32; 4]; 3],
     pub(crate) constant: [f32; 4],
     pub(crate) sun: [f32; 4],
@@ -34,8 +42,66 @@ pub(crate) struct FrameUniforms {
     pub(crate) padding: u32,
 }
 
+/// Rows that change with a frame, and settings that say where they and those that stay begin.
+pub(super) struct FrameRows {
+    pub(super) rows: Vec<Row>,
+    pub(super) uniforms: FrameUniforms,
+}
+
+impl FrameRows {
+    /// Builds the hierarchy over the frame's objects, too.
+    pub(super) fn new(
+        frame: &Frame<'_>,
+        meshes: &mut Meshes,
+        space: &KernelSpace,
+        tables: &Tables,
+        light: &LightSampler,
+        samples: &SampleArrays,
+    ) -> Result<Self, GpuError> {
+        let instances = meshes.instances(frame, space)?;
+        let mut rows: Vec<Row> = instances.concat();
+        // Room for objects that can't be met, too: what follows stays where it is.
+        rows.resize(4 * frame.scene.objects.len(), [0; 4]);
+        let first_light = rows.len();
+        for light in &light.lights {
+            rows.push(space.place_sphere(light.center, light.radius).map(f32::to_bits));
+            rows.push(bits(light.radiance, 0.0));
+        }
+        let first_table = rows.len();
+        let first_texel = first_table + tables.rows.len();
+        let texel_count = if let DistantLight::Map(map) = &light.base { map.texels().len() } else { 0 };
+        let uniforms = FrameUniforms {
+            eye: space.place_sphere(frame.scene.camera.eye, 0.0),
+            lights: first_light as u32,
+            light_count: light.lights.len() as u32,
+            instance_count: instances.len() as u32,
+            tables: first_table as u32,
+            texels: first_texel as u32,
+            aliases: (first_texel + texel_count) as u32,
+            ..uniforms(light, samples)
+        };
+        Ok(Self { rows, uniforms })
+    }
+}
+
+/// Rows that stay as long as the light from afar does, behind those of a frame.
+pub(super) fn lasting_rows(tables: &Tables, light: &LightSampler) -> Vec<Row> {
+    let mut rows = tables.rows.clone();
+    if let DistantLight::Map(map) = &light.base {
+        rows.extend(map_rows(map, &light.alias));
+    }
+    rows
+}
+
+/// Texels of a map, each with the chance to stay at it, and where to go otherwise. A black map draws no direction.
+fn map_rows(map: &EnvironmentMap, alias: &AliasTable) -> impl Iterator<Item = Row> {
+    let stay = |texel: usize| alias.cells.get(texel).map_or(1.0, |(stay, _)| *stay as f32);
+    let texels = map.texels().iter().enumerate().map(move |(i, texel)| bits(*texel, stay(i)));
+    texels.chain(fours(alias.cells.iter().map(|(_, other)| *other)))
+}
+
 /// All settings that are known without the rows.
-pub(super) fn uniforms(light: &LightSampler, samples: &SampleArrays) -> FrameUniforms {
+fn uniforms(light: &LightSampler, samples: &SampleArrays) -> FrameUniforms {
     let halves = |step: u64| [step as u32, (step >> 32) as u32];
     let [a, b] = samples.plane_steps.map(halves);
     let [x, y, z] = samples.space_steps.map(halves);

@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// Corners in the space of the object, as `ray_traced/frame.wgsl` reads them.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
-pub(crate) struct DeviceTriangle {
+pub struct DeviceTriangle {
     pub(crate) a: [f32; 3],
     pub(crate) holes: u32,
     pub(crate) b: [f32; 3],

@@ -1,5 +1,6 @@
 //! `ray-traced` on the device: shadow rays through hierarchies that stay there, one per mesh, under one over the objects.
 
+pub(crate) mod buffers;
 mod cutouts;
 pub(crate) mod frame;
 pub(crate) mod meshes;
@@ -8,17 +9,13 @@ mod tables;
 use crate::{
     kernels::RAY_TRACED,
     pipeline::flag,
-    rows::{Row, bits, fours},
     runner::{Bench, Runner, Uploaded},
 };
-use frame::{FrameUniforms, uniforms};
-use halfshade_scene::{
-    Frame, Progress, Receivers, Scene,
-    light::{DistantLight, EnvironmentMap},
-};
+use frame::{FrameRows, FrameUniforms, lasting_rows};
+use halfshade_scene::{Frame, Progress, Receivers, Scene, light::DistantLight};
 use halfshade_strategies::{
     RayTraced,
-    ray_traced::arrays::{AliasTable, LightSampler, SampleArrays},
+    ray_traced::arrays::{LightSampler, SampleArrays},
 };
 use halfshade_strategy::{Baked, Footprint, Info, Params, Prepared, Strategy, StrategyError};
 use meshes::{Meshes, room_for_objects, space_of};
@@ -103,38 +100,16 @@ impl Baked for BakedOnGpu {
         let known = self.light.take();
         let light = self.light.insert(LightSampler::new(frame, known));
         let space = space_of(frame, &self.meshes);
-        let instances = self.meshes.instances(frame, &space)?;
+        let FrameRows { mut rows, uniforms } =
+            FrameRows::new(frame, &mut self.meshes, &space, &self.tables, light, &self.samples)?;
         self.runner.write_part(1, &self.meshes.nodes[..room_for_objects(frame.scene.objects.len())]);
-        let mut rows: Vec<Row> = instances.concat();
-        // Room for objects that can't be met, too: what follows stays where it is.
-        rows.resize(4 * frame.scene.objects.len(), [0; 4]);
-        let first_light = rows.len();
-        for light in &light.lights {
-            rows.push(space.place_sphere(light.center, light.radius).map(f32::to_bits));
-            rows.push(bits(light.radiance, 0.0));
-        }
         let first_table = rows.len();
-        let first_texel = first_table + self.tables.rows.len();
-        let texel_count = if let DistantLight::Map(map) = &light.base { map.texels().len() } else { 0 };
-        let uniforms = FrameUniforms {
-            eye: space.place_sphere(frame.scene.camera.eye, 0.0),
-            lights: first_light as u32,
-            light_count: light.lights.len() as u32,
-            instance_count: instances.len() as u32,
-            tables: first_table as u32,
-            texels: first_texel as u32,
-            aliases: (first_texel + texel_count) as u32,
-            ..uniforms(light, &self.samples)
-        };
         let is_there =
             self.resident.as_ref().is_some_and(|(map, row)| *row == first_table && map.is_same_as(&light.base));
         if is_there {
             self.runner.write_part(3, &rows);
         } else {
-            rows.extend(&self.tables.rows);
-            if let DistantLight::Map(map) = &light.base {
-                rows.extend(map_rows(map, &light.alias));
-            }
+            rows.extend(lasting_rows(&self.tables, light));
             self.runner.write(3, &rows)?;
             self.resident = Some((light.base.clone(), first_table));
         }
@@ -143,11 +118,4 @@ impl Baked for BakedOnGpu {
         self.runner.upload()?;
         Ok(Box::new(Uploaded(&self.runner)))
     }
-}
-
-/// Texels of a map, each with the chance to stay at it, and where to go otherwise. A black map draws no direction.
-fn map_rows(map: &EnvironmentMap, alias: &AliasTable) -> impl Iterator<Item = Row> {
-    let stay = |texel: usize| alias.cells.get(texel).map_or(1.0, |(stay, _)| *stay as f32);
-    let texels = map.texels().iter().enumerate().map(move |(i, texel)| bits(*texel, stay(i)));
-    texels.chain(fours(alias.cells.iter().map(|(_, other)| *other)))
 }

@@ -12,7 +12,7 @@ use halfshade_strategies::shadow_field::arrays::{Containment, FrameArrays, Local
 /// Settings of a frame, as `shadow_field/frame.wgsl` reads them.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
-pub(crate) struct FrameUniforms {
+pub struct FrameUniforms {
     pub(crate) light: [[f32; 4]; 27],
     pub(crate) cosine: [f32; 8],
     pub(crate) eye: [f32; 4],

@@ -4,6 +4,7 @@
 //! vector for every light and lobe beside the others, a kernel has no room for them: it goes through the objects again for
 //! each glossy lobe, and for each local light that has an object behind it.
 
+pub(crate) mod buffers;
 pub(crate) mod frame;
 mod tables;
 
@@ -118,7 +119,8 @@ impl Baked for BakedOnGpu {
     }
 
     fn place_receivers(&mut self, frame: &Frame<'_>, receivers: Receivers<'_>) -> Result<(), StrategyError> {
-        self.tables.place_receivers(&self.baked, receivers);
+        let objects = receivers.object.iter().map(|&object| object as usize);
+        self.tables.place_receivers(objects.zip(self.baked.vertices_around(receivers)));
         self.runner.write(3, &self.tables.rows).map_err(told("own occlusion and receivers", "fewer receivers"))?;
         Ok(self.runner.place_receivers(frame, receivers, &|i| i as u32)?)
     }

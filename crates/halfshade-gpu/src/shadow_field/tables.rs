@@ -6,11 +6,8 @@ use crate::{
     rows::{Row, filled},
 };
 use bytemuck::NoUninit;
-use halfshade_scene::{Receivers, Scene};
-use halfshade_strategies::shadow_field::{
-    ShBaked,
-    arrays::{FieldArrays, SceneArrays, StoredValues},
-};
+use halfshade_scene::{Scene, VertexWeights};
+use halfshade_strategies::shadow_field::arrays::{FieldArrays, SceneArrays, StoredValues};
 
 /// Number of a field where there is none.
 const NO_FIELD: u32 = u32::MAX;
@@ -64,14 +61,14 @@ impl Tables {
         (Self { receivers: rows.len(), rows, objects, cosine: filled(arrays.cosine) }, samples)
     }
 
-    /// Takes these receivers in the place of any others: per receiver the own occlusion of three vertices and their weights.
-    pub(super) fn place_receivers(&mut self, baked: &ShBaked, receivers: Receivers<'_>) {
+    /// Takes these receivers in the place of any others: the object of each and the vertices around it become those of its
+    /// own occlusion, and their weights.
+    pub(super) fn place_receivers(&mut self, receivers: impl Iterator<Item = (usize, Option<VertexWeights>)>) {
         let Self { rows, objects, receivers: first, .. } = self;
         rows.truncate(*first);
-        for (i, around) in baked.vertices_around(receivers).enumerate() {
-            let own = objects.get(receivers.object[i] as usize);
+        for (object, around) in receivers {
             let (mut vertices, mut weights) = ([0; 4], [0.0; 4]);
-            if let Some((around, own)) = around.zip(own) {
+            if let Some((around, own)) = around.zip(objects.get(object)) {
                 vertices[3] = 1;
                 for (k, (vertex, weight)) in around.parts().enumerate() {
                     vertices[k] = own.own + own.own_rows * vertex as u32;

@@ -1,0 +1,52 @@
+//! The buffers of a frame's rays, for callers of single functions.
+
+use super::{
+    frame::{FrameRows, FrameUniforms, lasting_rows},
+    meshes::{DeviceTriangle, Meshes, space_of},
+    tables::Tables,
+};
+use crate::{GpuError, hierarchy::Node, receivers::KernelSpace, rows::Row};
+use glam::DVec3;
+use halfshade_scene::Frame;
+use halfshade_strategies::ray_traced::arrays::{LightSampler, SampleArrays};
+use halfshade_strategy::Params;
+
+/// What the functions of `ray_traced` read of the a frame.
+#[derive(Debug)]
+pub struct RayBuffers {
+    /// Settings.
+    pub uniforms: FrameUniforms,
+    /// Hierarchies.
+    pub nodes: Vec<Node>,
+    /// Triangles of meshes.
+    pub triangles: Vec<DeviceTriangle>,
+    /// All else.
+    pub rows: Vec<Row>,
+    tables: Tables,
+    space: KernelSpace,
+}
+
+impl RayBuffers {
+    /// With the settings of a strategy with `params`.
+    pub fn new(frame: &Frame<'_>, params: &Params) -> Result<Self, GpuError> {
+        let tables = Tables::new(frame.scene);
+        let mut meshes = Meshes::of(frame, &tables.holes);
+        let space = space_of(frame, &meshes);
+        let light = LightSampler::new(frame, None);
+        let samples = SampleArrays::new(params);
+        let FrameRows { mut rows, uniforms } = FrameRows::new(frame, &mut meshes, &space, &tables, &light, &samples)?;
+        rows.extend(lasting_rows(&tables, &light));
+        let Meshes { nodes, triangles, .. } = meshes;
+        Ok(Self { uniforms, nodes, triangles, rows, tables, space })
+    }
+
+    /// A point of the world in the space of the kernels.
+    pub fn place(&self, point: DVec3) -> DVec3 {
+        self.space.place(point)
+    }
+
+    /// The number of the row at which the holes of a triangle begin; 0 for a whole one.
+    pub fn holes(&self, object: usize, triangle: usize) -> u32 {
+        self.tables.holes[object].get(triangle).copied().unwrap_or(0)
+    }
+}
