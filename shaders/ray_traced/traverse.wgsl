@@ -18,12 +18,22 @@ struct Ray {
     inverse: vec3f,
     // How far the origin may be off along each axis.
     slack: vec3f,
+    // The axis along which the direction is longest, and the two others as parts of that one.
+    longest: u32,
+    shear: vec2f,
 }
 
 fn ray_of(origin: vec3f, direction: vec3f, slack: vec3f) -> Ray {
     // Neither 0 nor so small that the quotient overflows.
     let safe = select(direction, vec3f(1e-30f), abs(direction) < vec3f(1e-30f));
-    return Ray(origin, direction, 1.0 / safe, slack);
+    let size = abs(direction);
+    let longest = select(select(2u, 1u, size.y > size.z), 0u, size.x > max(size.y, size.z));
+    let turned = longest_last(longest, direction);
+    return Ray(origin, direction, 1.0 / safe, slack, longest, turned.xy / turned.z);
+}
+
+fn longest_last(longest: u32, vector: vec3f) -> vec3f {
+    return select(select(vector, vector.zxy, longest == 1u), vector.yzx, longest == 0u);
 }
 
 // Parameter at which a ray enters a box, or more than any if it passes by.
@@ -38,29 +48,31 @@ fn entry(ray: Ray, low: vec3f, high: vec3f, limit: f32) -> f32 {
     return select(3.4e38f, first, first <= last * (1.0 + 4.0 * EPSILON) && low.x <= high.x);
 }
 
-fn comes_before(a: vec3f, b: vec3f) -> bool {
-    return a.x < b.x || (a.x == b.x && (a.y < b.y || (a.y == b.y && a.z < b.z)));
+// A corner in space that is sheared so that the ray is its third axis [Woop2013].
+fn sheared(ray: Ray, corner: vec3f) -> vec2f {
+    let turned = longest_last(ray.longest, corner - ray.origin);
+    return turned.xy - turned.z * ray.shear;
 }
 
-// Volume that a direction spans with an edge. Both triangles at the edge find the same bits but for the sign, so that no
-// ray passes between them.
-fn volume(a: vec3f, b: vec3f, direction: vec3f) -> f32 {
-    let is_forward = comes_before(a, b);
+// Twice the area between the ray and an edge, as seen along the ray. Both triangles at the edge find the same bits but for the
+// sign, and at a corner the sign is in doubt for no edge but one in line with the ray, so that no ray passes between them.
+fn area(a: vec2f, b: vec2f) -> f32 {
+    let is_forward = a.x < b.x || (a.x == b.x && a.y < b.y);
     let first = select(b, a, is_forward);
     let second = select(a, b, is_forward);
-    return select(-1.0, 1.0, is_forward) * dot(cross(first, second), direction);
+    return select(-1.0, 1.0, is_forward) * (first.x * second.y - first.y * second.x);
 }
 
 fn is_met(ray: Ray, triangle: Triangle, limit: f32, reach: f32) -> bool {
-    let a = triangle.a - ray.origin;
-    let b = triangle.b - ray.origin;
-    let c = triangle.c - ray.origin;
-    let volumes = vec3f(volume(b, c, ray.direction), volume(c, a, ray.direction), volume(a, b, ray.direction));
-    if (!(all(volumes >= vec3f(0.0)) || all(volumes <= vec3f(0.0)))) {
+    let a = sheared(ray, triangle.a);
+    let b = sheared(ray, triangle.b);
+    let c = sheared(ray, triangle.c);
+    let areas = vec3f(area(b, c), area(c, a), area(a, b));
+    if (!(all(areas >= vec3f(0.0)) || all(areas <= vec3f(0.0)))) {
         return false;
     }
     let normal = cross(triangle.b - triangle.a, triangle.c - triangle.a);
-    let ahead = dot(normal, a);
+    let ahead = dot(normal, triangle.a - ray.origin);
     let facing = dot(normal, ray.direction);
     let off = dot(abs(normal), ray.slack);
     // A triangle that faces the ray is met though it be behind the origin by what that may be off; one that faces away isn't.
@@ -70,7 +82,7 @@ fn is_met(ray: Ray, triangle: Triangle, limit: f32, reach: f32) -> bool {
         return false;
     }
     if (HAS_CUTOUTS && triangle.holes > 0u) {
-        return !is_cut_out(triangle.holes, volumes / (volumes.x + volumes.y + volumes.z));
+        return !is_cut_out(triangle.holes, areas / (areas.x + areas.y + areas.z));
     }
     return true;
 }
