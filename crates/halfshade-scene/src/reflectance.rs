@@ -106,7 +106,8 @@ impl Reflectance {
             }
             Self::Lafortune { lobes: terms } => {
                 let b = n.cross(t);
-                let local = DVec3::new(t.dot(o), b.dot(o), up);
+                // Vectors whose lengths are off by a rounding of single precision would change a power of 10^5 by a percent.
+                let local = DVec3::new(t.dot(o), b.dot(o), up).normalize_or_zero();
                 for term in terms {
                     let stretched = term.axis.as_dvec3() * local;
                     let (length, exponent) = (stretched.length(), term.exponent * gloss.exponent);
