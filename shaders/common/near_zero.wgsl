@@ -12,7 +12,7 @@ fn exp_minus_one(x: f32) -> f32 {
     return x * sum;
 }
 
-// log(1 - x) for x in [0, 1).
+// log(1 - x) for x in [-1/4, 1).
 fn log_one_minus(x: f32) -> f32 {
     if (x > 0.25) {
         return log(1.0 - x);

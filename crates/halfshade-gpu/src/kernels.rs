@@ -219,6 +219,7 @@ pub const SHADOW_FIELD: Kernel = Kernel {
     twins: &[
         REFLECTANCE,
         EYE_LOBES,
+        NEAR_ZERO,
         Twin {
             shader: "shadow_field/shell_coordinates.wgsl",
             cpu: "halfshade_strategies::shadow_field::kernel::shell_coordinates",
