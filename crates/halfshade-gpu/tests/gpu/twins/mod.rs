@@ -2,10 +2,17 @@
 
 mod combinations;
 mod distant_light;
+mod fields;
 mod light;
 mod rays;
+mod receivers;
+mod reflectance;
 mod reflections;
+mod sampler;
 mod sh_exp;
+mod shadow_field_world;
+mod transfer;
+mod traverse;
 mod vectors;
 mod visibility;
 
@@ -14,7 +21,7 @@ use halfshade_gpu::{Gpu, kernels::KERNELS};
 use libtest_mimic::Failed;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
-use std::{f64::consts::PI, sync::Arc};
+use std::{f64::consts::PI, fmt::Debug, sync::Arc};
 
 type Test = fn(&Arc<Gpu>) -> Result<(), Failed>;
 
@@ -34,6 +41,22 @@ pub(super) const TESTS: &[(&str, Test)] = &[
     ("ground", distant_light::ground),
     ("gather", reflections::gather),
     ("emit", reflections::emit),
+    ("shell_coordinates", fields::shell_coordinates),
+    ("shell_grid", fields::shell_grid),
+    ("reconstruct", fields::reconstruct),
+    ("rotate", fields::rotate),
+    ("occlusion", fields::occlusion),
+    ("cosine_power", transfer::cosine_power),
+    ("bounded_product", transfer::bounded_product),
+    ("light_order", transfer::light_order),
+    ("light_product", transfer::light_product),
+    ("gloss", transfer::gloss),
+    ("reflectance", reflectance::lobes),
+    ("eye_lobes", reflectance::eye_lobes),
+    ("reflector", reflectance::reflector),
+    ("light", sampler::light),
+    ("traverse", traverse::traverse),
+    ("cutout", traverse::cutout),
 ];
 
 /// Calls per test.
@@ -62,6 +85,31 @@ fn compare(what: &str, tolerance: f64, found: &[[f32; 4]], expected: &[f64], wid
             let (call, element) = (place / width, place % width);
             return Err(format!("{what}: call {call}, element {element}: {found:e}, not {expected:e}").into());
         }
+    }
+    Ok(())
+}
+
+/// Nothing is infinite or NaN, of calls that aren't compared either.
+fn finite(found: &[[f32; 4]]) -> Result<(), Failed> {
+    let off = found.iter().position(|row| row.iter().any(|value| !value.is_finite()));
+    off.map_or(Ok(()), |row| Err(format!("row {row}: {:?}", found[row]).into()))
+}
+
+/// Compares calls that are of several kinds in turn, kind by kind: what one kind gives may be small beside another's.
+fn compare_in_turn<K: Debug>(
+    what: &str,
+    kinds: &[K],
+    tolerance: f64,
+    found: &[[f32; 4]],
+    expected: &[f64],
+    width: usize,
+) -> Result<(), Failed> {
+    for (number, kind) in kinds.iter().enumerate() {
+        let calls = found.chunks(width.div_ceil(4)).skip(number).step_by(kinds.len());
+        let found: Vec<[f32; 4]> = calls.flatten().copied().collect();
+        let calls = expected.chunks(width).skip(number).step_by(kinds.len());
+        let expected: Vec<f64> = calls.flatten().copied().collect();
+        compare(&format!("{what}, {kind:?}"), tolerance, &found, &expected, width)?;
     }
     Ok(())
 }
