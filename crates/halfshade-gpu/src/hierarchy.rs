@@ -5,19 +5,14 @@
 //! one in three bits, then the first primitive.
 
 use bytemuck::{Pod, Zeroable};
-use glam::{Vec3, Vec3A};
-use obvhs::{
-    Boundable, BvhBuildParams,
-    aabb::Aabb,
-    bvh2::{Bvh2, builder::build_bvh2},
-};
-use std::time::Duration;
+use glam::Vec3;
+use halfshade_rays::binary::{Binary, BinaryNode};
 
 /// Most entries of a ray's stack, as the shader has them: a level of both hierarchies takes one.
 pub(crate) const STACK: usize = 56;
 
-/// Levels from which on a hierarchy is built in another way: two of them fit a stack.
-const DEEP: usize = STACK / 2 - 1;
+/// Most levels of a binary hierarchy, the leaves among them: the ways down two of them fit a stack.
+const DEEP: usize = STACK / 2;
 
 const LEAF: u32 = 1 << 31;
 const COUNT_SHIFT: u32 = 28;
@@ -49,122 +44,47 @@ pub(crate) struct Hierarchy {
     pub(crate) depth: usize,
 }
 
-struct Padded(Aabb);
-
-impl Boundable for Padded {
-    fn aabb(&self) -> Aabb {
-        self.0
-    }
-}
-
 impl Hierarchy {
     /// Over boxes, each from a low to a high corner, with so many primitives in a leaf at most.
     pub(crate) fn new(boxes: &[[Vec3; 2]], most_in_leaf: u32) -> Self {
-        let padded: Vec<Padded> =
-            boxes.iter().map(|[low, high]| Padded(Aabb::new(Vec3A::from(*low), Vec3A::from(*high)))).collect();
-        if padded.is_empty() {
-            return Self::default();
-        }
-        let bottom_up = Self::bottom_up(&padded, most_in_leaf);
-        if bottom_up.depth <= DEEP { bottom_up } else { Self::by_halves(boxes) }
-    }
-
-    fn bottom_up(padded: &[Padded], most_in_leaf: u32) -> Self {
-        let params =
-            BvhBuildParams { max_prims_per_leaf: most_in_leaf.min(MOST_IN_LEAF), ..BvhBuildParams::medium_build() };
-        let bvh = build_bvh2(padded, params, &mut Duration::default());
-        let mut hierarchy = Self { nodes: Vec::new(), order: bvh.primitive_indices.clone(), depth: 0 };
-        match bvh.nodes.first() {
+        let binary = Binary::new(boxes, most_in_leaf.min(MOST_IN_LEAF), 1, DEEP);
+        let mut hierarchy = Self { nodes: Vec::new(), order: binary.order, depth: binary.depth.max(2) - 1 };
+        // Places among the nodes that have children, since those are what the device has.
+        let mut inner = 0;
+        let numbers: Vec<u32> = (binary.nodes.iter())
+            .map(|node| {
+                inner += u32::from(node.count == 0);
+                inner.saturating_sub(1)
+            })
+            .collect();
+        let code = |place: usize| match binary.nodes[place] {
+            BinaryNode { count: 0, .. } => numbers[place],
+            BinaryNode { first, count, .. } => leaf(first, count),
+        };
+        match binary.nodes.as_slice() {
             // A root must have two children: the other one is empty.
-            Some(root) if root.is_leaf() => {
-                hierarchy.depth = 1;
-                hierarchy
-                    .nodes
-                    .push(Node { left: code(root.first_index, root.prim_count), ..boxed(*root.aabb(), Aabb::INVALID) });
-            }
-            Some(_) => hierarchy.add_inner_nodes(&bvh),
-            None => {}
+            [root] => hierarchy.nodes.push(Node { left: code(0), ..boxed(root.corners, EMPTY) }),
+            nodes => hierarchy.nodes.extend(nodes.iter().filter(|node| node.count == 0).map(|node| {
+                let [left, right] = [node.first as usize, node.first as usize + 1];
+                let both = boxed(nodes[left].corners, nodes[right].corners);
+                Node { left: code(left), right: code(right), ..both }
+            })),
         }
         hierarchy
     }
-
-    /// Split in the middle of their order along the longest axis, again and again: no faster for rays, but as many levels as
-    /// the number of boxes has bits, where many boxes are the same.
-    fn by_halves(boxes: &[[Vec3; 2]]) -> Self {
-        let mut hierarchy = Self { nodes: vec![Node::zeroed()], ..Self::default() };
-        let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
-        let middle = |slot: u32| boxes[slot as usize][0] + boxes[slot as usize][1];
-        let mut open = vec![(0usize, 0usize, boxes.len(), 1usize)];
-        while let Some((node, first, end, depth)) = open.pop() {
-            hierarchy.depth = hierarchy.depth.max(depth);
-            let slots = &mut order[first..end];
-            let [low, high] = around(slots.iter().map(|&slot| [middle(slot); 2])).unwrap_or_default();
-            let axis = (high - low).max_position();
-            slots.sort_by(|&a, &b| middle(a)[axis].total_cmp(&middle(b)[axis]));
-            let half = first + (end - first).div_ceil(2);
-            let mut child = |first: usize, end: usize| {
-                if end - first <= 1 {
-                    return code(first as u32, 1);
-                }
-                let number = hierarchy.nodes.len();
-                hierarchy.nodes.push(Node::zeroed());
-                open.push((number, first, end, depth + 1));
-                number as u32
-            };
-            let (left, right) = (child(first, half), child(half, end));
-            let of = |slots: &[u32]| {
-                let corners = around(slots.iter().map(|&slot| boxes[slot as usize]));
-                corners.map_or(Aabb::INVALID, |[low, high]| Aabb::new(Vec3A::from(low), Vec3A::from(high)))
-            };
-            let both = boxed(of(&order[first..half]), of(&order[half..end]));
-            hierarchy.nodes[node] = Node { left, right, ..both };
-        }
-        hierarchy.order = order;
-        hierarchy
-    }
-
-    /// Adds the root and all inner nodes below it.
-    fn add_inner_nodes(&mut self, bvh: &Bvh2) {
-        // Not by recursion, because a degenerate hierarchy may be as deep as it is large.
-        let mut open = vec![(0, 0, 1)];
-        self.nodes.push(Node::zeroed());
-        while let Some((node, number, depth)) = open.pop() {
-            self.depth = self.depth.max(depth);
-            let first = bvh.nodes[node].first_index as usize;
-            let children = [first, first + 1].map(|child| {
-                let found = &bvh.nodes[child];
-                if found.is_leaf() {
-                    return code(found.first_index, found.prim_count);
-                }
-                let number = self.nodes.len() as u32;
-                self.nodes.push(Node::zeroed());
-                open.push((child, number, depth + 1));
-                number
-            });
-            let [left, right] = children;
-            let both = boxed(*bvh.nodes[first].aabb(), *bvh.nodes[first + 1].aabb());
-            self.nodes[number as usize] = Node { left, right, ..both };
-        }
-    }
 }
 
-/// The box around boxes.
-pub(crate) fn around(boxes: impl Iterator<Item = [Vec3; 2]>) -> Option<[Vec3; 2]> {
-    boxes.reduce(|[low, high], [a, b]| [low.min(a), high.max(b)])
-}
-
-fn code(first: u32, count: u32) -> u32 {
+fn leaf(first: u32, count: u32) -> u32 {
     LEAF | (count.clamp(1, MOST_IN_LEAF) - 1) << COUNT_SHIFT | first
 }
 
-/// A node with these boxes, its children to be filled in; an invalid box is met by no ray.
-fn boxed(left: Aabb, right: Aabb) -> Node {
-    let empty = |aabb: &Aabb| !(aabb.min.cmple(aabb.max).all());
-    // Finite, so that no ray makes a NaN of it, and behind itself, so that none enters.
-    let corners = |aabb: Aabb| {
-        if empty(&aabb) { [[1e30; 3], [-1e30; 3]] } else { [aabb.min, aabb.max].map(|corner| corner.to_array()) }
-    };
-    let ([left_low, left_high], [right_low, right_high]) = (corners(left), corners(right));
+/// A box that is met by no ray: finite, so that none makes a NaN of it, and behind itself, so that none enters.
+const EMPTY: [Vec3; 2] = [Vec3::splat(1e30), Vec3::splat(-1e30)];
+
+/// A node with these boxes, its children to be filled in.
+fn boxed(left: [Vec3; 2], right: [Vec3; 2]) -> Node {
+    let ([left_low, left_high], [right_low, right_high]) =
+        (left.map(|corner| corner.to_array()), right.map(|corner| corner.to_array()));
     Node { left_low, left: LEAF, left_high, right: LEAF, right_low, padding: 0, right_high, more_padding: 0 }
 }
 
@@ -182,7 +102,7 @@ mod tests {
                     [low, low + Vec3::splat(0.5)]
                 })
                 .collect();
-            for hierarchy in [Hierarchy::new(&boxes, MOST_IN_LEAF), Hierarchy::by_halves(&boxes)] {
+            for hierarchy in [Hierarchy::new(&boxes, MOST_IN_LEAF), Hierarchy::new(&boxes, 1)] {
                 let mut seen = vec![0; count];
                 let mut open = vec![(0u32, Vec3::NEG_INFINITY, Vec3::INFINITY)];
                 while let Some((child, low, high)) = open.pop() {

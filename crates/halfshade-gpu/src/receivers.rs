@@ -8,7 +8,7 @@ use crate::{
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3, Vec3};
 use halfshade_scene::{Frame, RadianceMut, Receivers, SurfacePoint};
-use halfshade_strategies::origin_between;
+use halfshade_rays::origin_between;
 use std::{
     ops::Range,
     sync::{Mutex, PoisonError},

@@ -12,5 +12,5 @@ pub use cosine_lobe::CosineLobe;
 pub use ray_traced::RayTraced;
 pub use sh_exp::ShExp;
 pub use shadow_field::ShadowField;
-pub use shared::{origin::origin_between, projected_light};
+pub use shared::projected_light;
 pub use unshadowed::Unshadowed;

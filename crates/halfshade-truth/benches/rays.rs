@@ -6,6 +6,7 @@
 
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
 use glam::{Vec3, Vec3A};
+use halfshade_rays::MeshRays;
 use halfshade_scene::{
     Environment, Frame, ReceiverBuffer, Scene, builtin, light::EnvironmentMap, progress::Silent, spheres::AdjustRule,
 };
@@ -57,6 +58,33 @@ impl Bare {
     }
 }
 
+/// The same rays and triangles in halfshade-rays, whose test is watertight.
+struct Watertight {
+    mesh: MeshRays,
+    rays: Vec<halfshade_rays::Ray>,
+}
+
+impl Watertight {
+    fn new(frame: &Frame<'_>, rays: &[ShadowRay]) -> Self {
+        let vertices = ReceiverBuffer::vertices(frame);
+        let positions: Vec<Vec3> = (0..vertices.len()).map(|vertex| vertices.view().position_at(vertex)).collect();
+        let (mut first, mut triangles) = (0, Vec::new());
+        for object in &frame.scene.objects {
+            triangles.extend(object.mesh.triangles.iter().map(|triangle| triangle.map(|vertex| first + vertex)));
+            first += object.mesh.positions.len() as u32;
+        }
+        let ray = |ray: &ShadowRay| {
+            let direction = Vec3::from(ray.direction).as_dvec3().normalize();
+            halfshade_rays::Ray::new(ray.origin + 1e-5 * direction, direction).until(f64::from(ray.distance))
+        };
+        Self { mesh: MeshRays::new(&positions, &triangles), rays: rays.iter().map(ray).collect() }
+    }
+
+    fn count_misses(&self) -> usize {
+        self.rays.iter().filter(|ray| !self.mesh.any(ray, |_| true)).count()
+    }
+}
+
 fn compare(criterion: &mut Criterion, name: &str, scene: &Scene) {
     let frame = scene.frame(0);
     let all = ReceiverBuffer::vertices(&frame);
@@ -69,11 +97,14 @@ fn compare(criterion: &mut Criterion, name: &str, scene: &Scene) {
     let options = Options { samples: 1024, ..Options::default() };
     let rays = shadow_rays(&tracer, receivers.view(), &options);
     let bare = Bare::new(&frame, &rays);
+    let watertight = Watertight::new(&frame, &rays);
+    println!("of {} rays pass {} and {}", rays.len(), bare.count_misses(), watertight.count_misses());
     let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");
 
     let mut group = criterion.benchmark_group(name);
     group.throughput(Throughput::Elements(rays.len() as u64)).sample_size(20);
     group.bench_function("obvhs, bare", |bencher| bencher.iter(|| bare.count_misses()));
+    group.bench_function("halfshade-rays", |bencher| bencher.iter(|| watertight.count_misses()));
     group.bench_function("truth", |bencher| {
         bencher.iter_batched(
             || (),

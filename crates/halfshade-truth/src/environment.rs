@@ -319,7 +319,7 @@ mod tests {
         let total: f64 = (0..32 * 16).map(probability).sum();
         assert!((total - 1.0).abs() < 1e-6, "{total}");
 
-        let receiver = Receiver::new(glam::Vec3A::ZERO, DVec3::ZERO, DVec3::Z);
+        let receiver = Receiver::new(DVec3::ZERO, DVec3::ZERO, DVec3::Z);
         let (points, mut batch, mut counts) = (Points::first(1 << 14), Batch::new(), vec![0.0; 32 * 16]);
         for chunk in points.as_slice().chunks(BATCH) {
             sampler.sample(&receiver, chunk, Scramble::new(1, 2, 3, 4), &mut batch);

@@ -10,7 +10,7 @@
 //! reflectance of the receiver plays no part, nor does light that other surfaces reflect.
 
 use crate::{REPLICATES, Tracer, batch::Batch, environment::LUMINANCE, estimate::for_every_batch, points::Points};
-use glam::Vec3A;
+use glam::Vec3;
 use halfshade_scene::{Progress, Receivers};
 use rayon::prelude::*;
 
@@ -78,7 +78,7 @@ fn hider(tracer: &Tracer, receivers: &Receivers<'_>, i: usize, points: &Points, 
                     .map(|channel| f64::from(LUMINANCE[channel]) * f64::from(batch.value[channel][k].abs()))
                     .sum();
                 all += share;
-                let direction = Vec3A::from_array(batch.direction.each_ref().map(|axis| axis[k]));
+                let direction = Vec3::from_array(batch.direction.each_ref().map(|axis| axis[k]));
                 if let Some(object) = tracer.first_object(&receiver, direction, batch.distance[k]) {
                     let class = if object == own {
                         Hider::Own

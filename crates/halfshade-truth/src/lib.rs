@@ -9,12 +9,12 @@
 //! and, if asked for, the light that surfaces reflect b times on its way (see `paths.rs`), in the units of the scene's
 //! radiance, one value and one standard error per receiver and channel. Glossy receivers add the same integrals over
 //! their lobes towards the eye ([`halfshade_scene::EyeLobes`], see `glossy.rs`). This crate shares no code with the
-//! strategies that it judges: a shared mistake would cancel out in the score.
+//! strategies that it judges, since a shared mistake would cancel out in the score, but for the rays: those are held to
+//! every triangle one by one in double precision.
 //!
 //! - **Geometry**: the meshes, all of them, both faces; or the sphere sets, each sphere adjusted to the receiver.
 //!   Their difference is the geometry error.
-//! - **Rays**: obvhs's wide hierarchy over boxes that are padded against rounding, and a watertight triangle test, in a
-//!   space where the scene has a fixed size about the origin.
+//! - **Rays**: those of [`halfshade_rays`], watertight, in a space where the scene has a fixed size about the origin.
 //! - **Light**: constant, map, sun and spheres are separate integrals. Maps are sampled by cosine and by radiance, wide
 //!   lights by solid angle and by cosine, combined with the balance heuristic.
 //!   Lobes are sampled as well, up to exponents of 10^5.
@@ -57,7 +57,6 @@ mod space;
 mod sphere_albedo;
 mod sphere_irradiance;
 mod tracer;
-mod triangle;
 mod visibility;
 
 pub use estimate::{DRAWS, Estimate, estimate};

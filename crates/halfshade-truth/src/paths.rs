@@ -238,7 +238,7 @@ impl<'a> Paths<'a> {
     fn meet(&self, from: &Receiver, depth: usize, direction: Vec3) -> Option<SurfaceHit> {
         match self.options.geometry {
             Geometry::Mesh => {
-                let hit = self.tracer.first_hit(from, direction.into())?;
+                let hit = self.tracer.first_hit(from, direction)?;
                 let surface = self.tracer.receiver_at(&hit, direction);
                 let receiver = self.tracer.receiver(surface.position, surface.normal);
                 let lobes = self.lobes(surface.object, surface.gloss, &receiver, direction);
@@ -249,7 +249,7 @@ impl<'a> Paths<'a> {
                 let along = self.tracer.space.length_in_world(f64::from(distance));
                 let position = from.position + along * direction.as_dvec3();
                 let receiver =
-                    Receiver::new(self.tracer.space.point(position), position, normal.as_dvec3().normalize());
+                    Receiver::new(self.tracer.space.exact_point(position), position, normal.as_dvec3().normalize());
                 let (albedo, gloss) =
                     self.sphere_albedo.map_or((Vec3::ONE, Gloss::NEUTRAL), |table| table.at(sphere, normal));
                 let object = self.tracer.sphere_owners[sphere].0 as u32;

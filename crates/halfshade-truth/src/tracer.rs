@@ -1,22 +1,10 @@
 //! Rays against one frame of a scene: closest hits, occlusion, the first hits of a picture.
 
-use crate::{
-    inward::Inward,
-    lights::Lights,
-    receiver::Receiver,
-    space::TracingSpace,
-    triangle::{ShearedRay, Slack, Triangle},
-};
-use glam::{DVec3, Vec3, Vec3A};
+use crate::{inward::Inward, lights::Lights, receiver::Receiver, space::TracingSpace};
+use glam::{DVec3, Vec3};
+use halfshade_rays::{Crossing, MeshRays, Ray};
 use halfshade_scene::{Camera, EyeLobes, Frame, Object, Pose, ReceiverBuffer, ReceiverPoint, SurfacePoint};
-use obvhs::{
-    Boundable, BvhBuildParams,
-    aabb::Aabb,
-    cwbvh::{CwBvh, builder::build_cwbvh},
-    ray::{Ray, RayHit},
-};
 use rayon::prelude::*;
-use std::time::Duration;
 
 /// First hit of a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,10 +27,9 @@ pub struct Hit {
 #[derive(Debug)]
 pub struct Tracer {
     pub(crate) space: TracingSpace,
-    bvh: CwBvh,
-    /// Triangles in the order of the hierarchy's leaves.
-    triangles: Vec<Triangle>,
-    /// Object and triangle number, in the same order.
+    /// All triangles, in tracing space.
+    rays: MeshRays,
+    /// Object and triangle number of each.
     owners: Vec<[u32; 2]>,
     /// Centre in world space and radius of every sphere of every object that has a sphere set.
     pub(crate) spheres: Vec<(DVec3, f64)>,
@@ -56,14 +43,6 @@ pub struct Tracer {
     inward: Inward,
     /// Whether any mesh has triangles with holes.
     has_holes: bool,
-}
-
-struct PaddedBox(Aabb);
-
-impl Boundable for PaddedBox {
-    fn aabb(&self) -> Aabb {
-        self.0
-    }
 }
 
 impl Tracer {
@@ -101,29 +80,14 @@ impl Tracer {
             max = max.max(corner.as_dvec3());
         }
         let space = TracingSpace::around(min, max);
-        let boxes: Vec<PaddedBox> = corners
-            .iter()
-            .map(|&[a, b, c]| {
-                let (min, max) = (a.min(b).min(c), a.max(b).max(c));
-                let padding = space.padding(min, max);
-                let [min, max] = [min, max].map(|point| space.point(point.as_dvec3()));
-                PaddedBox(Aabb::new(min - padding, max + padding))
-            })
-            .collect();
-        let corners: Vec<[Vec3A; 3]> =
-            corners.into_iter().map(|corner| corner.map(|point| space.point(point.as_dvec3()))).collect();
-        let bvh = if boxes.is_empty() {
-            CwBvh::default()
-        } else {
-            build_cwbvh(&boxes, BvhBuildParams::medium_build(), &mut Duration::default())
-        };
-        let triangles = bvh.primitive_indices.iter().map(|&i| Triangle::new(corners[i as usize])).collect();
-        let owners = bvh.primitive_indices.iter().map(|&i| owners[i as usize]).collect();
+        let placed: Vec<Vec3> =
+            corners.iter().flatten().map(|point| space.exact_point(point.as_dvec3()).as_vec3()).collect();
+        let triangles: Vec<[u32; 3]> = (0..corners.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        let rays = MeshRays::new(&placed, &triangles);
         let has_holes = objects.iter().any(|(object, _)| object.mesh.has_cutouts());
         Self {
             space,
-            bvh,
-            triangles,
+            rays,
             owners,
             spheres,
             sphere_owners,
@@ -143,13 +107,12 @@ impl Tracer {
         let rounding = self.space.rounding(position);
         let lift = [unit, inward].map(|direction| 2.0 * direction.abs().dot(rounding) * direction);
         let origin = self.space.exact_point(position.as_dvec3()) + lift[0] + lift[1];
-        let receiver = Receiver::new(origin.as_vec3a(), position.as_dvec3(), unit);
-        Receiver { slack: Slack { along: rounding.as_vec3a(), normal: unit.as_vec3a() }, ..receiver }
+        Receiver { slack: rounding, ..Receiver::new(origin, position.as_dvec3(), unit) }
     }
 
     /// Number of triangles that block.
     pub fn triangle_count(&self) -> usize {
-        self.triangles.len()
+        self.owners.len()
     }
 
     /// Number of spheres that block in the sphere reference.
@@ -158,84 +121,61 @@ impl Tracer {
     }
 
     /// The first triangle along a ray in world space, or `None`; also `None` if the ray is not finite or has no
-    /// direction. The origin may lie anywhere: the ray is cut to the scene in double precision before it is traced.
+    /// direction. The origin may lie anywhere.
     pub fn closest_hit(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
-        let (ray, skipped) = self.clipped(origin, direction)?;
-        let hit = self.nearest(ray, Slack::NONE)?;
-        let distance = (hit.distance + self.space.length_in_world(skipped)) / f64::from(direction.length());
-        Some(Hit { distance, ..hit })
+        let hit = self.nearest(&self.free_ray(origin, direction)?)?;
+        Some(Hit { distance: hit.distance / f64::from(direction.length()), ..hit })
     }
 
-    /// The first triangle along a ray that leaves a surface, in tracing space (see [`ShearedRay::with_slack`]).
-    pub(crate) fn first_hit(&self, from: &Receiver, direction: Vec3A) -> Option<Hit> {
-        self.nearest(tracing_ray(from.ray_origin, direction, f32::INFINITY), from.slack)
+    /// The first triangle along a ray that leaves a surface.
+    pub(crate) fn first_hit(&self, from: &Receiver, direction: Vec3) -> Option<Hit> {
+        self.nearest(&from.ray(direction, f32::INFINITY))
     }
 
-    /// The object that a ray of a given length meets first when it leaves a surface, in tracing space.
-    pub(crate) fn first_object(&self, from: &Receiver, direction: Vec3A, distance: f32) -> Option<u32> {
-        Some(self.nearest(tracing_ray(from.ray_origin, direction, distance), from.slack)?.object)
-    }
-
-    /// The first triangle along a ray in tracing space of unit direction.
-    fn nearest(&self, ray: Ray, slack: Slack) -> Option<Hit> {
-        let sheared = ShearedRay::new(ray.origin, ray.direction).with_slack(slack);
-        let mut hit = RayHit::none();
-        let is_hit = if self.has_holes {
-            self.bvh.ray_traverse(ray, &mut hit, |_, slot| self.distance_past_holes(slot, &sheared))
-        } else {
-            self.bvh.ray_traverse(ray, &mut hit, |_, slot| self.triangles[slot].distance(&sheared))
-        };
-        is_hit.then_some(())?;
-        let slot = hit.primitive_id as usize;
-        let crossing = self.triangles[slot].crossing(&sheared)?;
-        let [object, triangle] = self.owners[slot];
-        let distance = self.space.length_in_world(crossing.distance);
-        Some(Hit { object, triangle, barycentrics: crossing.barycentrics, distance })
+    /// The object that a ray of a given length, in tracing space, meets first when it leaves a surface.
+    pub(crate) fn first_object(&self, from: &Receiver, direction: Vec3, distance: f32) -> Option<u32> {
+        Some(self.nearest(&from.ray(direction, distance))?.object)
     }
 
     /// Whether anything lies along a ray in world space, however far.
     pub fn occluded(&self, origin: Vec3, direction: Vec3) -> bool {
-        self.clipped(origin, direction).is_some_and(|(ray, _)| !self.unoccluded(ray, Slack::NONE))
+        self.free_ray(origin, direction).is_some_and(|ray| self.is_blocked(&ray))
     }
 
-    /// The ray in tracing space, moved forward to the scene's bounding sphere if it starts outside, and by how much it
-    /// was moved; `None` if it misses that sphere.
-    fn clipped(&self, origin: Vec3, direction: Vec3) -> Option<(Ray, f64)> {
+    /// Whether anything lies along a ray of a given length, in tracing space, that leaves a surface.
+    pub(crate) fn is_blocked_from(&self, from: &Receiver, direction: Vec3, distance: f32) -> bool {
+        self.is_blocked(&from.ray(direction, distance))
+    }
+
+    /// A ray in tracing space from a point of the world.
+    fn free_ray(&self, origin: Vec3, direction: Vec3) -> Option<Ray> {
         let unit = direction.as_dvec3().try_normalize()?;
-        let start = self.space.exact_point(origin.as_dvec3());
-        let radius = TracingSpace::bounding_radius();
-        let skipped = if start.length() > radius {
-            let along = -start.dot(unit);
-            let half_chord_squared = radius * radius - (start + along * unit).length_squared();
-            (along > 0.0 && half_chord_squared > 0.0).then(|| along - half_chord_squared.sqrt())?
-        } else {
-            0.0
-        };
-        let start = start + skipped * unit;
-        (start.is_finite() && !self.triangles.is_empty())
-            .then(|| (tracing_ray(start.as_vec3a(), unit.as_vec3a(), f32::INFINITY), skipped))
+        Some(Ray::new(self.space.exact_point(origin.as_dvec3()), unit))
     }
 
-    /// Whether nothing lies along a ray in tracing space (see [`ShearedRay::with_slack`]).
-    #[inline(always)]
-    pub(crate) fn unoccluded(&self, ray: Ray, slack: Slack) -> bool {
-        let sheared = ShearedRay::new(ray.origin, ray.direction).with_slack(slack);
-        if self.has_holes {
-            return self.bvh.ray_traverse_miss(ray, |_, slot| self.distance_past_holes(slot, &sheared));
+    fn nearest(&self, ray: &Ray) -> Option<Hit> {
+        let crossing = match self.has_holes {
+            true => self.rays.closest(ray, |crossing| self.is_whole(crossing)),
+            false => self.rays.closest(ray, |_| true),
+        }?;
+        let [object, triangle] = self.owners[crossing.triangle as usize];
+        let distance = self.space.length_in_world(crossing.distance);
+        Some(Hit { object, triangle, barycentrics: crossing.weights(), distance })
+    }
+
+    #[inline]
+    fn is_blocked(&self, ray: &Ray) -> bool {
+        match self.has_holes {
+            true => self.rays.any(ray, |crossing| self.is_whole(crossing)),
+            false => self.rays.any(ray, |_| true),
         }
-        self.bvh.ray_traverse_miss(ray, |_, slot| self.triangles[slot].distance(&sheared))
     }
 
-    /// The distance of a triangle along a ray; infinite too where the ray passes through a hole that a mask cuts.
-    fn distance_past_holes(&self, slot: usize, ray: &ShearedRay) -> f32 {
-        let distance = self.triangles[slot].distance(ray);
-        let [object, triangle] = self.owners[slot].map(|number| number as usize);
+    /// Whether there is no hole where a ray crosses a triangle.
+    fn is_whole(&self, crossing: &Crossing) -> bool {
+        let [object, triangle] = self.owners[crossing.triangle as usize].map(|number| number as usize);
         let mesh = &self.objects[object].0.mesh;
-        let passes = distance.is_finite()
-            && mesh.mask_of(triangle).is_some()
-            && (self.triangles[slot].crossing(ray))
-                .is_some_and(|crossing| mesh.is_cut_out(triangle, crossing.barycentrics));
-        if passes { f32::INFINITY } else { distance }
+        mesh.mask_of(triangle).is_none() || !mesh.is_cut_out(triangle, crossing.weights())
     }
 
     /// The first hit through the centre of every pixel, row by row from the top.
@@ -279,10 +219,4 @@ impl Tracer {
             },
         }
     }
-}
-
-/// A ray for obvhs. Adding 0 turns -0, with which its wide nodes miss everything, into 0.
-#[inline(always)]
-pub(crate) fn tracing_ray(origin: Vec3A, direction: Vec3A, distance: f32) -> Ray {
-    Ray::new(origin, direction + Vec3A::ZERO, 0.0, distance)
 }

@@ -1,11 +1,7 @@
 //! Visibility of a batch of samples, by rays against the mesh.
 
-use crate::{
-    batch::Batch,
-    receiver::Receiver,
-    tracer::{Tracer, tracing_ray},
-};
-use glam::Vec3A;
+use crate::{batch::Batch, receiver::Receiver, tracer::Tracer};
+use glam::Vec3;
 
 /// Sets the visibility of every sample that carries light; returns how many rays that took.
 pub(crate) fn trace_mesh(tracer: &Tracer, from: &Receiver, batch: &mut Batch) -> u64 {
@@ -14,9 +10,8 @@ pub(crate) fn trace_mesh(tracer: &Tracer, from: &Receiver, batch: &mut Batch) ->
         batch.visible[k] = 0.0;
         if batch.carries_light(k) {
             rays += 1;
-            let direction = Vec3A::new(batch.direction[0][k], batch.direction[1][k], batch.direction[2][k]);
-            let ray = tracing_ray(from.ray_origin, direction, batch.distance[k]);
-            batch.visible[k] = f32::from(tracer.unoccluded(ray, from.slack));
+            let direction = Vec3::from_array(batch.direction.each_ref().map(|axis| axis[k]));
+            batch.visible[k] = f32::from(!tracer.is_blocked_from(from, direction, batch.distance[k]));
         }
     }
     rays

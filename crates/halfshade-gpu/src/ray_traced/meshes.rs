@@ -3,11 +3,12 @@
 use super::cutouts::Holes;
 use crate::{
     GpuError,
-    hierarchy::{Hierarchy, MOST_IN_LEAF, Node, STACK, around},
+    hierarchy::{Hierarchy, MOST_IN_LEAF, Node, STACK},
     receivers::{KernelSpace, affine_rows},
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3, Vec3};
+use halfshade_rays::binary::around;
 use halfshade_scene::{Frame, Mesh, Pose};
 use std::sync::Arc;
 

@@ -6,7 +6,8 @@
 //!
 //! with directions drawn by cosine, by light, or half and half with the density of the mixture, which is multiple
 //! importance sampling under the balance heuristic \[Veach1995\]. Unbiased; the standard error falls faster than 1/√k
-//! because the points are spread evenly. The hierarchy is rebuilt in `prepare` when a pose has changed.
+//! because the points are spread evenly. Meshes have their hierarchies from `bake` on; `prepare` puts one over the objects
+//! where they stand when a pose has changed, and refits those of meshes that deform.
 //!
 //! A glossy receiver draws by all of its lobes, the diffuse one among them, in place of the cosine: `max(n·ω, 0) · albedo/π`
 //! becomes their sum. Sharp lobes are then found whatever shines into them, except by `sampling=light` alone, which is
@@ -21,7 +22,11 @@ mod shade;
 
 use halfshade_scene::{EyeLobes, Frame, Placement, Progress, Scene};
 use halfshade_strategy::{Baked, Effect, Effects, Footprint, Info, Params, Prepared, Strategy, StrategyError};
-use prepare::{light_sampler::LightSampler, occlusion::Occlusion};
+use halfshade_rays::SceneRays;
+use prepare::{
+    light_sampler::LightSampler,
+    occlusion::{Meshes, Occlusion},
+};
 use settings::Settings;
 use shade::FrameRays;
 
@@ -32,7 +37,8 @@ pub struct RayTraced;
 /// The state kept from frame to frame: objects that stay where they are, and light that doesn't change, cost nothing.
 struct Kept {
     settings: Settings,
-    occlusion: Option<(Placement, Occlusion)>,
+    meshes: Meshes,
+    placed: Option<(Placement, SceneRays)>,
     light: Option<LightSampler>,
 }
 
@@ -52,8 +58,8 @@ impl Strategy for RayTraced {
         false
     }
 
-    fn bake(&self, _: &Scene, params: &Params, _: &dyn Progress) -> Result<Box<dyn Baked>, StrategyError> {
-        Ok(Box::new(Kept { settings: Settings::read(params), occlusion: None, light: None }))
+    fn bake(&self, scene: &Scene, params: &Params, _: &dyn Progress) -> Result<Box<dyn Baked>, StrategyError> {
+        Ok(Box::new(Kept { settings: Settings::read(params), meshes: Meshes::new(scene), placed: None, light: None }))
     }
 }
 
@@ -61,7 +67,8 @@ impl Baked for Kept {
     fn footprint(&self) -> Footprint {
         Footprint {
             parts: vec![
-                ("hierarchy and triangles", self.occlusion.as_ref().map_or(0, |(_, occlusion)| occlusion.bytes())),
+                ("hierarchies and triangles", self.meshes.bytes()),
+                ("hierarchy over objects", self.placed.as_ref().map_or(0, |(_, rays)| rays.bytes())),
                 ("light sampler", self.light.as_ref().map_or(0, LightSampler::bytes)),
             ],
         }
@@ -69,15 +76,15 @@ impl Baked for Kept {
 
     fn prepare(&mut self, frame: &Frame<'_>) -> Result<Box<dyn Prepared + '_>, StrategyError> {
         let Settings { samples, sampling } = self.settings;
-        let known = self.occlusion.take().filter(|(placement, _)| frame.is_placed_as(placement));
-        let (_, occlusion) = self.occlusion.insert(known.unwrap_or_else(|| (frame.placement(), Occlusion::new(frame))));
+        let known = self.placed.take().filter(|(placement, _)| frame.is_placed_as(placement));
+        let (_, rays) = self.placed.insert(known.unwrap_or_else(|| (frame.placement(), self.meshes.placed(frame))));
         let known = self.light.take();
         let light = self.light.insert(LightSampler::new(frame, known));
         let share = sampling.cosine_share();
         Ok(Box::new(FrameRays {
             samples,
             cosine_share: if share > 0.0 && light.is_constant() { 1.0 } else { share },
-            occlusion,
+            occlusion: Occlusion::new(&self.meshes, rays),
             light,
             eye_lobes: EyeLobes::new(frame),
         }))

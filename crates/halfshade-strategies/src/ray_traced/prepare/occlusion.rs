@@ -1,34 +1,77 @@
 //! Shadow rays against the meshes of one frame.
 
-use crate::shared::triangle_rays::{Holes, Start, TriangleRays, holes_of};
-use glam::Vec3;
-use halfshade_scene::Frame;
+use crate::shared::triangle_rays::{Start, is_whole};
+use glam::{DAffine3, DQuat, DVec3, Vec3};
+use halfshade_rays::{Instance, MeshRays, SceneRays};
+use halfshade_scene::{Frame, Mesh, Pose, Scene};
+use std::sync::Arc;
+
+/// The meshes of a scene, one by one, for the hierarchies of frames.
+pub(crate) struct Meshes {
+    /// By object; objects of one mesh share one.
+    rays: Vec<Arc<MeshRays>>,
+    /// Those with holes.
+    cut_out: Vec<Option<Arc<Mesh>>>,
+}
 
 /// All triangles of a frame.
-pub(crate) struct Occlusion(TriangleRays);
+pub(crate) struct Occlusion<'a> {
+    meshes: &'a Meshes,
+    rays: &'a SceneRays,
+}
 
-impl Occlusion {
-    pub(crate) fn new(frame: &Frame<'_>) -> Self {
-        let (mut corners, mut holes): (Vec<[Vec3; 3]>, Vec<Holes>) = (Vec::new(), Vec::new());
-        let has_holes = frame.scene.objects.iter().any(|object| object.mesh.has_cutouts());
-        for (number, (object, pose)) in frame.scene.objects.iter().zip(&frame.world_from_object).enumerate() {
-            let placed: Vec<Vec3> = frame.positions(number).iter().map(|&point| pose.transform_point(point)).collect();
-            corners.extend(object.mesh.triangles.iter().map(|triangle| triangle.map(|vertex| placed[vertex as usize])));
-            if has_holes {
-                holes.extend(holes_of(&object.mesh));
-            }
+impl Meshes {
+    /// Those of a scene at rest.
+    pub(crate) fn new(scene: &Scene) -> Self {
+        let mut known: Vec<(&Arc<Mesh>, Arc<MeshRays>)> = Vec::new();
+        for object in &scene.objects {
+            let shared = known.iter().find(|(mesh, _)| object.skin.is_none() && Arc::ptr_eq(mesh, &object.mesh));
+            let rays = match shared {
+                Some((_, rays)) => rays.clone(),
+                None => Arc::new(MeshRays::new(&object.mesh.positions, &object.mesh.triangles)),
+            };
+            known.push((&object.mesh, rays));
         }
-        Self(TriangleRays::new(corners, holes))
+        let rays = known.into_iter().map(|(_, rays)| rays).collect();
+        let cut_out = |mesh: &Arc<Mesh>| mesh.has_cutouts().then(|| mesh.clone());
+        Self { rays, cut_out: scene.objects.iter().map(|object| cut_out(&object.mesh)).collect() }
+    }
+
+    /// The hierarchy over all as they stand, those that deform being refitted.
+    pub(crate) fn placed(&mut self, frame: &Frame<'_>) -> SceneRays {
+        for (number, object) in frame.scene.objects.iter().enumerate().filter(|(_, object)| object.skin.is_some()) {
+            Arc::make_mut(&mut self.rays[number]).refit(frame.positions(number), &object.mesh.triangles);
+        }
+        let instances = self.rays.iter().zip(&frame.world_from_object);
+        let instances: Vec<Instance> =
+            instances.map(|(mesh, pose)| Instance { mesh: mesh.clone(), world_from_mesh: affine(pose) }).collect();
+        SceneRays::new(&instances)
+    }
+
+    pub(crate) fn bytes(&self) -> usize {
+        let is_first = |number: usize| !self.rays[..number].iter().any(|other| Arc::ptr_eq(other, &self.rays[number]));
+        (0..self.rays.len()).filter(|&number| is_first(number)).map(|number| self.rays[number].bytes()).sum()
+    }
+}
+
+fn affine(pose: &Pose) -> DAffine3 {
+    let (scale, rotation) = (DVec3::splat(f64::from(pose.scale)), DQuat::normalize(pose.rotation.as_dquat()));
+    DAffine3::from_scale_rotation_translation(scale, rotation, pose.translation.as_dvec3())
+}
+
+impl<'a> Occlusion<'a> {
+    /// The meshes as a frame has them.
+    pub(crate) fn new(meshes: &'a Meshes, rays: &'a SceneRays) -> Self {
+        Self { meshes, rays }
     }
 
     /// Whether a triangle lies on the ray from a point of a surface with unit `normal` within `distance` (world units, may be
     /// infinite). `direction` has unit length.
     pub(crate) fn blocked(&self, position: Vec3, normal: Vec3, direction: Vec3, distance: f32) -> bool {
-        self.0.blocked(&Start::on_surface(position, normal), direction, distance)
-    }
-
-    pub(crate) fn bytes(&self) -> usize {
-        self.0.bytes()
+        let ray = Start::on_surface(position, normal).ray(direction, distance, self.rays.half_extent());
+        self.rays.any(&ray, |object, crossing| {
+            self.meshes.cut_out[object as usize].as_ref().is_none_or(|mesh| is_whole(mesh, crossing))
+        })
     }
 }
 
@@ -44,7 +87,9 @@ mod tests {
             for shift in [Vec3::ZERO, Vec3::new(50.0, -20.0, 8.0) * scale] {
                 let sphere = Sphere { center: scale * Vec3::new(0.0, 2.0, 0.0) + shift, radius: scale };
                 let scene = with_spheres(Environment::constant(Vec3::ONE), &[sphere]);
-                let occlusion = Occlusion::new(&scene.frame(0));
+                let mut meshes = Meshes::new(&scene);
+                let rays = meshes.placed(&scene.frame(0));
+                let occlusion = Occlusion::new(&meshes, &rays);
                 let up = |direction: Vec3, reach: f32| occlusion.blocked(shift, Vec3::Y, direction.normalize(), reach);
                 assert!(up(Vec3::Y, f32::INFINITY) && up(Vec3::new(0.4, 1.0, 0.0), f32::INFINITY));
                 assert!(up(Vec3::Y, 1.1 * scale) && !up(Vec3::Y, 0.9 * scale));

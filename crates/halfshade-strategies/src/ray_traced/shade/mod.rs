@@ -19,7 +19,7 @@ pub(super) struct FrameRays<'a> {
     pub(super) samples: u32,
     /// Share of directions drawn by cosine, or by the lobes of a glossy receiver.
     pub(super) cosine_share: f64,
-    pub(super) occlusion: &'a Occlusion,
+    pub(super) occlusion: Occlusion<'a>,
     pub(super) light: &'a LightSampler,
     /// Lobes by which receivers reflect towards the eye, if anything is glossy.
     pub(super) eye_lobes: Option<EyeLobes>,

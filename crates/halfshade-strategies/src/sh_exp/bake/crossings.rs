@@ -1,23 +1,14 @@
 //! Where a ray crosses a mesh, all along.
 
-use crate::shared::triangle_rays::{RaySpace, hierarchy};
-use glam::{DVec3, Vec3, Vec3A};
+use glam::DVec3;
+use halfshade_rays::{MeshRays, Ray};
 use halfshade_scene::Mesh;
-use obvhs::{
-    cwbvh::CwBvh,
-    ray::{Ray, RayHit},
-    triangle::Triangle,
-};
 use std::sync::Arc;
-
-/// How far outside a triangle, in barycentric weights, a crossing still counts: sample directions meet vertices exactly.
-const EDGE: f64 = 1e-9;
 
 /// The triangles of a mesh, in its own space, in a hierarchy.
 pub(crate) struct Crossings {
     mesh: Arc<Mesh>,
-    hierarchy: CwBvh,
-    space: RaySpace,
+    rays: MeshRays,
 }
 
 impl std::fmt::Debug for Crossings {
@@ -40,67 +31,31 @@ pub(crate) struct Crossing {
 
 impl Crossings {
     pub(crate) fn new(mesh: &Arc<Mesh>) -> Self {
-        let (low, high) = mesh.bounds().unwrap_or((Vec3::ZERO, Vec3::ZERO));
-        let space = RaySpace::around(low, high);
-        let corners: Vec<Triangle> = (mesh.triangles.iter())
-            .map(|corners| {
-                let [v0, v1, v2] = corners.map(|v| space.place(mesh.positions[v as usize].as_dvec3()));
-                Triangle { v0, v1, v2 }
-            })
-            .collect();
-        let hierarchy = hierarchy(&corners);
-        Self { mesh: mesh.clone(), hierarchy, space }
+        Self { mesh: mesh.clone(), rays: MeshRays::new(&mesh.positions, &mesh.triangles) }
     }
 
-    /// Calls `each` for all crossings of the ray from `origin` along unit `direction`, in no particular order.
-    ///
-    /// At an edge both triangles may answer, and rarely none: the boxes' rays are in single precision.
+    /// Calls `each` for all crossings of the ray from `origin` along unit `direction`, in no particular order. At an edge both
+    /// triangles answer.
     pub(crate) fn along(&self, origin: DVec3, direction: DVec3, mut each: impl FnMut(Crossing)) {
-        if self.mesh.triangles.is_empty() {
-            return;
-        }
-        self.hierarchy.ray_traverse_anyhit(self.ray(origin, direction), |_, slot| {
-            if let Some(crossing) = self.crossing(slot, origin, direction) {
+        self.rays.any(&Ray::new(origin, direction), |crossing| {
+            if let Some(crossing) = self.of_surface(crossing) {
                 each(crossing);
             }
+            false
         });
     }
 
     /// The first crossing along the ray.
     pub(crate) fn first(&self, origin: DVec3, direction: DVec3) -> Option<Crossing> {
-        if self.mesh.triangles.is_empty() {
-            return None;
-        }
-        let mut hit = RayHit::none();
-        self.hierarchy
-            .ray_traverse(self.ray(origin, direction), &mut hit, |_, slot| {
-                let crossing = self.crossing(slot, origin, direction);
-                crossing.map_or(f32::INFINITY, |crossing| self.space.length(crossing.distance))
-            })
-            .then(|| self.crossing(hit.primitive_id as usize, origin, direction))
-            .flatten()
+        let ray = Ray::new(origin, direction);
+        self.rays.closest(&ray, |crossing| self.of_surface(crossing).is_some()).and_then(|found| self.of_surface(&found))
     }
 
-    fn ray(&self, origin: DVec3, direction: DVec3) -> Ray {
-        // Adding 0 turns -0, with which the wide nodes miss everything, into 0.
-        let direction = direction.as_vec3a() + Vec3A::ZERO;
-        Ray::new(self.space.place(origin), direction, 0.0, f32::INFINITY)
-    }
-
-    fn crossing(&self, slot: usize, origin: DVec3, direction: DVec3) -> Option<Crossing> {
-        let triangle = self.hierarchy.primitive_indices[slot] as usize;
-        let [a, b, c] = self.mesh.triangles[triangle].map(|v| self.mesh.positions[v as usize].as_dvec3());
-        let (ab, ac) = (b - a, c - a);
-        let normal = ab.cross(ac);
-        let facing = normal.dot(direction);
-        let offset = a - origin;
-        let distance = normal.dot(offset) / facing;
-        // Barycentric weights by Cramer's rule on origin + t·direction = a + v·ab + w·ac.
-        let across = direction.cross(offset);
-        let (v, w) = (-across.dot(ac) / facing, across.dot(ab) / facing);
-        let weights = DVec3::new(1.0 - v - w, v, w);
-        let is_met = distance > 0.0 && weights.min_element() >= -EDGE && !self.mesh.is_cut_out(triangle, weights);
-        is_met.then_some(Crossing { distance, triangle, weights, leaves: facing > 0.0 })
+    /// A crossing, unless it lies in a hole.
+    fn of_surface(&self, crossing: &halfshade_rays::Crossing) -> Option<Crossing> {
+        let (triangle, weights) = (crossing.triangle as usize, crossing.weights());
+        let &halfshade_rays::Crossing { distance, leaves, .. } = crossing;
+        (!self.mesh.is_cut_out(triangle, weights)).then_some(Crossing { distance, triangle, weights, leaves })
     }
 }
 
@@ -139,7 +94,7 @@ mod tests {
                 sides.sort_unstable();
                 lost += usize::from(sides != [false, true]);
             }
-            assert!(lost <= 4, "{lost}");
+            assert!(lost == 0, "{lost}");
         }
         Crossings::new(&Arc::default()).along(DVec3::ZERO, DVec3::X, |_| panic!("nothing to cross"));
         assert!(Crossings::new(&Arc::default()).first(DVec3::ZERO, DVec3::X).is_none());

@@ -116,7 +116,7 @@ mod tests {
     #[test]
     fn nothing_is_one_point() {
         let basis = ShBasis::new(4, 8);
-        let nothing = TriangleRays::new(Vec::new(), Vec::new());
+        let nothing = TriangleRays::new(&halfshade_scene::Mesh::default());
         let bounds = BoundingSphere { center: Vec3::ZERO, radius: 1.0 };
         let grid = Grid { resolution: 4, samples: vec![basis.blocked_from(&nothing, Vec3::X, bounds); 16] };
         assert_eq!(thinned(&basis, &grid, 1e-6).resolution, 1);

@@ -8,8 +8,8 @@ use super::{
     meshes::BakedObject,
     shell::{Shell, VectorOf},
     solid::Solid,
-    vertices::rays,
 };
+use crate::shared::triangle_rays::TriangleRays;
 use halfshade_scene::Mesh;
 use halfshade_strategy::{Detail, Footprint};
 use rayon::prelude::*;
@@ -59,7 +59,7 @@ fn interpolation_errors<S: Shell>(
     read: impl Fn([f32x8; 3]) -> VectorOf<S> + Sync,
 ) -> Vec<f64> {
     const POINTS: usize = 64;
-    let rays = rays(mesh);
+    let rays = TriangleRays::new(mesh);
     let bounds = BoundingSphere { center: field.center, radius: field.radius };
     let solid = Solid::new(&rays, bounds);
     let radii = field.layout.radii();

@@ -6,8 +6,7 @@ use glam::{DVec3, Vec3};
 use halfshade_sh::quadrature::golden_spiral;
 use std::f32::consts::FRAC_1_SQRT_2;
 
-/// Rays that tell whether a point is inside: it is unless two of them get out. One may, through an edge between triangles
-/// (see [`TriangleRays`]).
+/// Rays that tell whether a point is inside: it is unless two of them get out. One may, through a crack of the mesh.
 const PROBES: usize = 64;
 
 /// How far a point goes to get out, in shares of its `reach`.
@@ -82,13 +81,13 @@ impl<'a> Solid<'a> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{sh::projection::ShBasis, vertices::rays};
+    use super::super::sh::projection::ShBasis;
     use super::*;
     use halfshade_scene::builtin::shapes;
 
     #[test]
     fn inside_is_where_nothing_is_seen_and_samples_there_leave() {
-        let rays = rays(&shapes::sphere(40));
+        let rays = TriangleRays::new(&shapes::sphere(40));
         let bounds = BoundingSphere { center: Vec3::ZERO, radius: 1.0 };
         let solid = Solid::new(&rays, bounds);
         for (radius, inside) in [(0.0, true), (0.9, true), (1.01, false), (1.5, false), (1e9, false)] {

@@ -1,18 +1,17 @@
 //! Own occlusion: what an object hides from its own vertices.
 
 use super::basis::Basis;
-use crate::shared::triangle_rays::{Start, TriangleRays, holes_of};
+use crate::shared::triangle_rays::{Start, TriangleRays};
 use glam::Vec3;
 use halfshade_scene::Mesh;
 use rayon::prelude::*;
-use std::sync::Arc;
 
 /// Rays from a mesh's own surface.
 pub(crate) struct OwnRays(TriangleRays);
 
 impl OwnRays {
     pub(crate) fn new(mesh: &Mesh) -> Self {
-        Self(rays(mesh))
+        Self(TriangleRays::new(mesh))
     }
 
     pub(crate) fn rays(&self) -> &TriangleRays {
@@ -25,13 +24,6 @@ impl OwnRays {
         let start = || Start::on_surface(position, normal).rougher(rounding);
         direction.dot(normal) > 0.0 && self.0.blocked(&start(), direction, f32::INFINITY)
     }
-}
-
-/// The triangles of a mesh, in its own space.
-pub(crate) fn rays(mesh: &Mesh) -> TriangleRays {
-    let corners = mesh.triangles.iter().map(|corners| corners.map(|vertex| mesh.positions[vertex as usize]));
-    let holes = if mesh.has_cutouts() { holes_of(&Arc::new(mesh.clone())).collect() } else { Vec::new() };
-    TriangleRays::new(corners.collect(), holes)
 }
 
 /// Per vertex the vector of `value(direction, normal, blocked)`; the last tells whether the mesh hides the direction.

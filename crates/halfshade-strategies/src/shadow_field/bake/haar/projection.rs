@@ -73,13 +73,13 @@ impl Basis for HaarBasis {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shadow_field::bake::{bounds::BoundingSphere, vertices::rays};
+    use crate::{shadow_field::bake::bounds::BoundingSphere, shared::triangle_rays::TriangleRays};
     use halfshade_scene::builtin::shapes;
 
     /// The share of all directions that a ball hides, and where.
     #[test]
     fn a_ball_hides_a_cap() {
-        let rays = rays(&shapes::sphere(60));
+        let rays = TriangleRays::new(&shapes::sphere(60));
         let basis = HaarBasis::new(32, 0.05, Coding::Listed);
         let bounds = BoundingSphere { center: Vec3::ZERO, radius: 1.0 };
         for point in [Vec3::new(0.0, 3.0, 0.0), Vec3::new(1.5, -0.5, 1.0), Vec3::new(-2.0, 0.1, 0.2)] {

@@ -102,13 +102,13 @@ impl AbsoluteMean {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shadow_field::bake::{bounds::BoundingSphere, vertices::rays};
+    use crate::{shadow_field::bake::bounds::BoundingSphere, shared::triangle_rays::TriangleRays};
     use halfshade_scene::builtin::shapes;
     use halfshade_sh::zonal;
 
     #[test]
     fn a_ball_hides_a_cap() {
-        let rays = rays(&shapes::sphere(40));
+        let rays = TriangleRays::new(&shapes::sphere(40));
         let basis = ShBasis::new(4, 128);
         let bounds = BoundingSphere { center: Vec3::ZERO, radius: 1.0 };
         for point in [Vec3::new(0.0, 3.0, 0.0), Vec3::new(1.5, -0.5, 1.0), Vec3::new(-6.0, 0.1, 0.2)] {

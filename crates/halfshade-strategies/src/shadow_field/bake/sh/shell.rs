@@ -88,13 +88,15 @@ impl Shell for ShShell {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shadow_field::bake::{
-        basis::Basis,
-        bounds::BoundingSphere,
-        field::{Field, Thinning},
-        grid::direction,
-        projected::{ProjectedField, ShellLayout},
-        vertices::rays,
+    use crate::{
+        shadow_field::bake::{
+            basis::Basis,
+            bounds::BoundingSphere,
+            field::{Field, Thinning},
+            grid::direction,
+            projected::{ProjectedField, ShellLayout},
+        },
+        shared::triangle_rays::TriangleRays,
     };
     use glam::Vec3;
     use halfshade_scene::{Mesh, builtin::shapes, progress::Silent};
@@ -114,7 +116,7 @@ mod tests {
     fn baked(mesh: &Mesh, threshold: Option<f64>, storage: Storage) -> Field<ShShell> {
         let basis = ShBasis::new(4, 32);
         let bounds = bounds_of(mesh);
-        let projected = ProjectedField::new(&basis, (&rays(mesh), bounds), shells(12, 16), &Silent);
+        let projected = ProjectedField::new(&basis, (&TriangleRays::new(mesh), bounds), shells(12, 16), &Silent);
         Field::new(&basis, &projected, Thinning { threshold, drops_shells: false }, storage)
     }
 
@@ -129,7 +131,7 @@ mod tests {
 
     fn exact(mesh: &Mesh, field: &Field<ShShell>, point: Vec3, map: usize) -> Vec<f32> {
         let bounds = BoundingSphere { center: field.center, radius: field.radius };
-        ShBasis::new(4, map).blocked_from(&rays(mesh), point, bounds)
+        ShBasis::new(4, map).blocked_from(&TriangleRays::new(mesh), point, bounds)
     }
 
     /// At its sample points a field is what was projected there, to the quantizer's step.
@@ -162,7 +164,7 @@ mod tests {
             })
             .collect();
         let error = |resolution| {
-            let projected = ProjectedField::new(&basis, (&rays(&mesh), bounds), shells(10, resolution), &Silent);
+            let projected = ProjectedField::new(&basis, (&TriangleRays::new(&mesh), bounds), shells(10, resolution), &Silent);
             let field = Field::new(&basis, &projected, FIXED, Storage::F32);
             let squares = points.iter().map(|&point| {
                 let exact = exact(&mesh, &field, point, 48);
@@ -193,7 +195,7 @@ mod tests {
     fn dropped_shells_are_found_between_their_neighbours() {
         let mesh = shapes::torus(0.7, 0.3, 40, 20);
         let (basis, bounds) = (ShBasis::new(4, 32), bounds_of(&mesh));
-        let projected = ProjectedField::new(&basis, (&rays(&mesh), bounds), shells(24, 16), &Silent);
+        let projected = ProjectedField::new(&basis, (&TriangleRays::new(&mesh), bounds), shells(24, 16), &Silent);
         let field = |drops_shells| {
             Field::<ShShell>::new(&basis, &projected, Thinning { threshold: Some(0.02), drops_shells }, Storage::F32)
         };
