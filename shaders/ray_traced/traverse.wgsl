@@ -1,5 +1,5 @@
 // Whether anything lies on a ray: any-hit traversal of two levels of hierarchies. It answers as
-// `shared/triangle_rays.rs` does, in single precision.
+// `halfshade-rays` does, in single precision.
 #import "common/constants.wgsl"
 #import "ray_traced/cutout.wgsl"
 #import "ray_traced/frame.wgsl"

@@ -52,14 +52,14 @@ fn linear_coefficients(table: LinearTable, magnitude: f32) -> vec2f {
 
 // Holds h = V - 1 to what a function with values in [0, 1] can be.
 fn limit_difference(h: Sh) -> Sh {
-    let first = clamp(h[0], -SQRT_4PI, 0.0);
+    let first = clamp(h.h0, -SQRT_4PI, 0.0);
     let room = -first * (SQRT_4PI + first);
     let energy = sh_isolated_energy(h);
     var limited = h;
     if (energy > room) {
         limited = sh_scaled(h, sqrt(room / energy));
     }
-    limited[0] = first;
+    limited.h0 = first;
     return limited;
 }
 
@@ -97,15 +97,15 @@ fn inner_form(isolated: Sh, constant: f32, magnitude: f32, scale: f32, form: For
     let difference = exp_minus_one(constant * scale);
     let factor = difference + 1.0;
     h = sh_scaled(h, factor);
-    h[0] += (factor * offset + difference) * SQRT_4PI;
+    h.h0 += (factor * offset + difference) * SQRT_4PI;
     return limit_difference(h);
 }
 
 // Visibility from a sum of log blockers.
 fn exponential(f: Sh, form: Form) -> Sh {
-    let constant = f[0] / SQRT_4PI;
+    let constant = f.h0 / SQRT_4PI;
     var isolated = f;
-    isolated[0] = 0.0;
+    isolated.h0 = 0.0;
     let magnitude = sqrt(sh_isolated_energy(f));
     let limit = form.magnitude_limit;
     var scale = 1.0;
@@ -127,7 +127,7 @@ fn exponential(f: Sh, form: Form) -> Sh {
     for (var round = 0u; round < squarings; round++) {
         h = square_difference(h);
     }
-    h[0] += SQRT_4PI;
+    h.h0 += SQRT_4PI;
     return h;
 }
 
@@ -139,7 +139,7 @@ fn exponential_dot(f: Sh, weights: Sh, form: Form) -> f32 {
         return sh_dot(exponential(f, form), weights);
     }
     let coefficients = linear_coefficients(form.table, magnitude);
-    let difference = exp_minus_one(f[0] / SQRT_4PI);
+    let difference = exp_minus_one(f.h0 / SQRT_4PI);
     let factor = difference + 1.0;
     let first = clamp((factor * coefficients.x + difference) * SQRT_4PI, -SQRT_4PI, 0.0);
     let room = -first * (SQRT_4PI + first);
@@ -149,6 +149,6 @@ fn exponential_dot(f: Sh, weights: Sh, form: Form) -> f32 {
         scale *= sqrt(room / energy);
     }
     var isolated = f;
-    isolated[0] = 0.0;
-    return (first + SQRT_4PI) * weights[0] + scale * sh_dot(isolated, weights);
+    isolated.h0 = 0.0;
+    return (first + SQRT_4PI) * weights.h0 + scale * sh_dot(isolated, weights);
 }

@@ -33,8 +33,9 @@ struct Nearest {
 
 fn order_key(blocker: Blocker, position: vec3f) -> f32 {
     let offset = blocker.center - position;
+    // Nothing is left to the compiler to fuse or not: a sphere has the same key wherever it is asked for.
     let squared = fma(offset.z, offset.z, fma(offset.y, offset.y, offset.x * offset.x));
-    return select(squared, squared - blocker.radius * blocker.radius, BY_POWER);
+    return select(squared, fma(-blocker.radius, blocker.radius, squared), BY_POWER);
 }
 
 // The nearest eight of a cut after the one with this key and place. At equal distances the first of the list comes first.
@@ -78,12 +79,12 @@ fn radiated(blocker: Blocker, basis: Sh, sine: f32) -> vec3f {
     let signs = vec4f(1.0, -1.0, 1.0, -1.0);
     let low = ((tables[row + 2u] - tables[row]) * t + tables[row]) * signs;
     let high = ((tables[row + 3u] - tables[row + 1u]) * t + tables[row + 1u]) * signs;
-    let parts = sh_parts(sh_times_bands(basis, sh_bands(low, high)));
+    let weights = sh_times_bands(basis, sh_bands(low, high));
     var radiance = vec3f(0.0);
     for (var channel = 0u; channel < radiance_channels(); channel++) {
         let first = (blocker.emitter * radiance_channels() + channel) * SH_PARTS;
         for (var part = 0u; part < SH_PARTS; part++) {
-            radiance[channel] += dot(radiating[first + part], parts[part]);
+            radiance[channel] += dot(radiating[first + part], sh_part(weights, part));
         }
     }
     return select(radiance, radiance.xxx, radiance_channels() == 1u) * blocker.reflection_factor;
@@ -125,7 +126,7 @@ fn gather(position: vec3f, normal: vec3f, cut: Cut) -> Gathered {
     let form = reflection_form();
     var gathered = Gathered(vec3f(0.0), Sh());
     // Light that the spheres so far have left.
-    var left = brdf[0] * SQRT_4PI;
+    var left = brdf.h0 * SQRT_4PI;
     var key = -FARTHEST;
     var place = NONE;
     for (var block = cut.first; block < cut.end; block += 8u) {

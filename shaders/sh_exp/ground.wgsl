@@ -20,14 +20,13 @@ fn ground_radiance(object: u32, position: vec3f, weights: Sh, is_seen: bool) -> 
         dot(radiating[row + 2u].xyz, offset),
         dot(radiating[row + 3u].xyz, offset),
     );
-    let parts = sh_parts(weights);
     let fields = row + 4u + select(GROUND_PLACES * 3u * SH_PARTS, 0u, is_seen);
     var radiance = vec3f(0.0);
     for (var place = 0u; place < GROUND_PLACES; place++) {
         for (var channel = 0u; channel < 3u; channel++) {
             let first = fields + (place * 3u + channel) * SH_PARTS;
             for (var part = 0u; part < SH_PARTS; part++) {
-                radiance[channel] += along[place] * dot(radiating[first + part], parts[part]);
+                radiance[channel] += along[place] * dot(radiating[first + part], sh_part(weights, part));
             }
         }
     }

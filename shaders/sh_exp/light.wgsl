@@ -24,7 +24,6 @@ fn light(normal: vec3f, visibility: Sh) -> vec3f {
 
 fn tabulated_light(normal: vec3f, visibility: Sh) -> vec3f {
     let found = octahedral_lookup(normal, frame.grid_cells);
-    let parts = sh_parts(visibility);
     var radiance = vec3f(0.0);
     for (var channel = 0u; channel < light_channels(); channel++) {
         let first = frame.light_table + (found.nodes * light_channels() + channel) * SH_PARTS;
@@ -33,7 +32,7 @@ fn tabulated_light(normal: vec3f, visibility: Sh) -> vec3f {
         for (var part = 0u; part < SH_PARTS; part++) {
             let value = tables[first.x + part] * found.weights.x + tables[first.y + part] * found.weights.y
                 + tables[first.z + part] * found.weights.z;
-            sum += dot(value, parts[part]);
+            sum += dot(value, sh_part(visibility, part));
             if (part == 0u) {
                 unshadowed = value.x * SQRT_4PI;
             }
@@ -49,9 +48,8 @@ fn sun(normal: vec3f, visibility: Sh) -> vec3f {
     }
     let sine = frame.sun_perpendicular.w;
     var share = 0.0;
-    let parts = sh_parts(visibility);
     for (var part = 0u; part < SH_PARTS; part++) {
-        share += dot(tables[frame.sun_table + part], parts[part]);
+        share += dot(tables[frame.sun_table + part], sh_part(visibility, part));
     }
     let cosine = dot(frame.sun_direction.xyz, normal);
     var facing = max(cosine, 0.0);

@@ -15,6 +15,6 @@ fn product_of_blockers(position: vec3f, normal: vec3f, cut: Cut) -> Sh {
             h = limit_difference(sh_plus(sh_plus(h, minus_cap), sh_product(h, minus_cap)));
         }
     }
-    h[0] += SQRT_4PI;
+    h.h0 += SQRT_4PI;
     return h;
 }

@@ -55,7 +55,7 @@ fn with_ground(receiver: Receiver, visibility: Sh, direct: vec3f) -> vec3f {
     }
     let taken = ground_radiance(receiver.object, receiver.position, weights, false);
     var open = Sh();
-    open[0] = SQRT_4PI;
+    open.h0 = SQRT_4PI;
     let most = light(receiver.normal, open);
     return min(max(direct + taken, vec3f(0.0)), most) + max(seen - taken, vec3f(0.0));
 }

@@ -100,6 +100,6 @@ fn shares_of_blockers(position: vec3f, normal: vec3f, cut: Cut) -> Sh {
         }
     }
     h = limit_difference(h);
-    h[0] += SQRT_4PI;
+    h.h0 += SQRT_4PI;
     return h;
 }

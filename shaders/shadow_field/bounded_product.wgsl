@@ -12,7 +12,7 @@ struct Bound {
 }
 
 fn inverse_of_first(shape: Sh) -> f32 {
-    return select(0.0, 1.0 / shape[0], abs(shape[0]) > SMALLEST);
+    return select(0.0, 1.0 / shape.h0, abs(shape.h0) > SMALLEST);
 }
 
 // Under the clamped cosine over π.
@@ -22,14 +22,14 @@ fn diffuse_bound(cosine: Sh) -> Bound {
 
 // Under a lobe, at most 1.
 fn lobe_bound(shape: Sh) -> Bound {
-    return Bound(shape, inverse_of_first(shape), abs(shape[0]) * SQRT_4PI, 1.0);
+    return Bound(shape, inverse_of_first(shape), abs(shape.h0) * SQRT_4PI, 1.0);
 }
 
 // Transfer times visibility; never more of it than before.
 fn bounded_product(bound: Bound, transfer: Sh, visible: Sh) -> Sh {
     let product = sh_product(visible, transfer);
-    let part = product[0] * bound.inverse_first;
-    let held = min(max(part, 0.0), clamp(transfer[0] * bound.inverse_first, 0.0, 1.0));
+    let part = product.h0 * bound.inverse_first;
+    let held = min(max(part, 0.0), clamp(transfer.h0 * bound.inverse_first, 0.0, 1.0));
     let least = min(held, 1.0 - held);
     let room = bound.room * least * (1.0 - bound.bend * least);
     let away = sh_scaled_plus(bound.shape, -held, product);
@@ -40,6 +40,6 @@ fn bounded_product(bound: Bound, transfer: Sh, visible: Sh) -> Sh {
     }
     let shrink = select(1.0, sqrt(room / energy), is_far);
     var limited = sh_scaled_plus(away, shrink, sh_scaled(bound.shape, held));
-    limited[0] = held * bound.shape[0];
+    limited.h0 = held * bound.shape.h0;
     return limited;
 }

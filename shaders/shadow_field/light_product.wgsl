@@ -8,7 +8,7 @@
 fn light_cap(light: Light, seen: LightSeen) -> Sh {
     if (seen.is_around) {
         var all = Sh();
-        all[0] = SQRT_4PI;
+        all.h0 = SQRT_4PI;
         return all;
     }
     let squared = max(seen.distance_squared, SMALLEST);
@@ -23,14 +23,13 @@ fn light_cap(light: Light, seen: LightSeen) -> Sh {
 
 // Distant light times transfer, by colour.
 fn distant_light(transfer: Sh) -> vec3f {
-    let parts = sh_parts(transfer);
     var radiance = vec3f(0.0);
     for (var part = 0u; part < SH_PARTS; part++) {
         let first = 3u * part;
         radiance += vec3f(
-            dot(frame.light[first], parts[part]),
-            dot(frame.light[first + 1u], parts[part]),
-            dot(frame.light[first + 2u], parts[part]),
+            dot(frame.light[first], sh_part(transfer, part)),
+            dot(frame.light[first + 1u], sh_part(transfer, part)),
+            dot(frame.light[first + 2u], sh_part(transfer, part)),
         );
     }
     return radiance;

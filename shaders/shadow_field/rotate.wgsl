@@ -16,6 +16,6 @@ fn rotated(vector: Sh, object: u32) -> Sh {
 // The visibility that an occlusion leaves.
 fn visible_past(blocked: Sh) -> Sh {
     var visible = sh_scaled(blocked, -1.0);
-    visible[0] += SQRT_4PI;
+    visible.h0 += SQRT_4PI;
     return visible;
 }

@@ -13,10 +13,13 @@ fn object_axes(object: FieldObject, position: vec3f) -> vec3f {
 
 // Distance from the centre in radii of the object, longitude and latitude as shares of the whole.
 fn shell_coordinates(point: vec3f, inverse_radius: f32) -> vec3f {
+    // Squares of small numbers may be taken for 0.
+    let size = max(max(abs(point.x), abs(point.y)), max(abs(point.z), SMALLEST));
+    let scaled = point / size;
     return vec3f(
-        min(length(point) * inverse_radius, FARTHEST),
-        angle(point.z, point.x) / TAU,
-        angle(length(point.xz), point.y) / PI,
+        min(length(scaled) * (size * inverse_radius), FARTHEST),
+        angle(scaled.z, scaled.x) / TAU,
+        angle(length(scaled.xz), scaled.y) / PI,
     );
 }
 

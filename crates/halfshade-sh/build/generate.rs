@@ -38,7 +38,9 @@ pub(crate) fn wgsl(bands: usize) -> String {
     write!(
         code.text,
         "// Written by the build script of halfshade-sh: {bands} bands.\nconst SH_BANDS = {bands}u;\n\
-         const SH_COUNT = {count}u;\nalias Sh = array<f32, {count}>;\nalias ShBands = array<f32, {bands}>;\n"
+         const SH_COUNT = {count}u;\n{}{}",
+        structure("Sh", count),
+        structure("ShBands", bands)
     )
     .expect("writing to a string");
     basis(&mut code, bands);
@@ -46,6 +48,12 @@ pub(crate) fn wgsl(bands: usize) -> String {
     square(&mut code, bands, &groups);
     elementwise(&mut code, bands);
     code.text
+}
+
+/// A WGSL struct of numbers h0, h1, .. Compilers keep an array in memory where they can't follow it, but members in registers.
+fn structure(name: &str, count: usize) -> String {
+    let members: Vec<String> = (0..count).map(|i| format!("h{i}: f32")).collect();
+    format!("struct {name} {{ {} }}\n", members.join(", "))
 }
 
 /// A WGSL function that turns a vector of `bands` bands by the blocks of a rotation, band by band and row by row. They are
@@ -63,7 +71,7 @@ pub(crate) fn wgsl_rotation(bands: usize) -> String {
     for (part, four) in blocks.chunks(4).enumerate() {
         code.bind("part", &format!("sh_rotation_part(first + {part}u)"));
         for ((row, column), component) in four.iter().zip(COMPONENTS) {
-            code.accumulate(&mut started, &format!("h{row}"), &format!("f[{column}]"), &format!("part.{component}"));
+            code.accumulate(&mut started, &format!("h{row}"), &format!("f.h{column}"), &format!("part.{component}"));
         }
     }
     code.close(bands);
@@ -130,6 +138,14 @@ impl Code {
             Dialect::Wgsl => "",
         };
         self.line(&format!("{keyword}{name} = {value};"));
+    }
+
+    /// Number `i` of a vector.
+    fn at(&self, vector: &str, i: usize) -> String {
+        match self.dialect {
+            Dialect::Rust => format!("{vector}[{i}]"),
+            Dialect::Wgsl => format!("{vector}.h{i}"),
+        }
     }
 
     fn constant(&self, value: f64) -> String {
@@ -233,18 +249,20 @@ fn product(code: &mut Code, bands: usize, groups: &[Group]) {
                     local.insert(name.to_owned());
                 } else {
                     let constant = code.constant(value);
-                    code.accumulate(&mut local, name, &format!("{factor}[{k}]"), &constant);
+                    let factor = code.at(factor, k);
+                    code.accumulate(&mut local, name, &factor, &constant);
                 }
             }
         }
         let ends = if is_square { vec![(i, j)] } else { vec![(i, j), (j, i)] };
         for (to, other) in ends.iter().filter(|_| !local.is_empty()) {
-            code.accumulate(&mut started, &format!("h{to}"), "s", &format!("g[{other}]"));
-            code.accumulate(&mut started, &format!("h{to}"), "t", &format!("f[{other}]"));
+            let [f, g] = ["f", "g"].map(|vector| code.at(vector, *other));
+            code.accumulate(&mut started, &format!("h{to}"), "s", &g);
+            code.accumulate(&mut started, &format!("h{to}"), "t", &f);
         }
-        code.bind("p", &format!("f[{i}] * g[{j}]"));
+        code.bind("p", &format!("{} * {}", code.at("f", i), code.at("g", j)));
         if !is_square {
-            let both = code.mul_add(&format!("f[{j}]"), &format!("g[{i}]"), "p");
+            let both = code.mul_add(&code.at("f", j), &code.at("g", i), "p");
             code.bind("p", &both);
         }
         spread(code, &mut started, thirds, 1.0);
@@ -271,14 +289,16 @@ fn square(code: &mut Code, bands: usize, groups: &[Group]) {
                 local.insert("s".to_owned());
             } else {
                 let constant = code.constant(2.0 * value);
-                code.accumulate(&mut local, "s", &format!("f[{k}]"), &constant);
+                let factor = code.at("f", k);
+                code.accumulate(&mut local, "s", &factor, &constant);
             }
         }
         let ends = if is_square { vec![(i, j)] } else { vec![(i, j), (j, i)] };
         for (to, other) in ends.iter().filter(|_| !local.is_empty()) {
-            code.accumulate(&mut started, &format!("h{to}"), "s", &format!("f[{other}]"));
+            let factor = code.at("f", *other);
+            code.accumulate(&mut started, &format!("h{to}"), "s", &factor);
         }
-        code.bind("p", &format!("f[{i}] * f[{j}]"));
+        code.bind("p", &format!("{} * {}", code.at("f", i), code.at("f", j)));
         spread(code, &mut started, thirds, if is_square { 1.0 } else { 2.0 });
     }
     scale_first(code);
@@ -379,7 +399,7 @@ fn basis(code: &mut Code, bands: usize) {
             code.open("add_lobe", bands, "", "direction: vec3f, scale: ShBands, sum: Sh");
             code.bind("y", "sh_basis(direction)");
             for i in 0..count {
-                let value = code.mul_add(&format!("y[{i}]"), &format!("scale[{}]", i.isqrt()), &format!("sum[{i}]"));
+                let value = code.mul_add(&code.at("y", i), &code.at("scale", i.isqrt()), &code.at("sum", i));
                 code.bind(&format!("h{i}"), &value);
             }
             code.close(bands);
@@ -390,13 +410,13 @@ fn basis(code: &mut Code, bands: usize) {
 /// WGSL functions that work coefficient by coefficient: without loops nothing is indexed at run time.
 fn elementwise(code: &mut Code, bands: usize) {
     let functions = [
-        ("times_bands", "f: Sh, factors: ShBands", "f[{i}] * factors[{l}]"),
-        ("scaled", "f: Sh, factor: f32", "f[{i}] * factor"),
-        ("plus", "f: Sh, g: Sh", "f[{i}] + g[{i}]"),
+        ("times_bands", "f: Sh, factors: ShBands", "f.h{i} * factors.h{l}"),
+        ("scaled", "f: Sh, factor: f32", "f.h{i} * factor"),
+        ("plus", "f: Sh, g: Sh", "f.h{i} + g.h{i}"),
         // `f + weight·(g - f)`.
-        ("mix", "f: Sh, g: Sh, weight: f32", "weight * (g[{i}] - f[{i}]) + f[{i}]"),
+        ("mix", "f: Sh, g: Sh, weight: f32", "weight * (g.h{i} - f.h{i}) + f.h{i}"),
         // `f·factor + g`.
-        ("scaled_plus", "f: Sh, factor: f32, g: Sh", "f[{i}] * factor + g[{i}]"),
+        ("scaled_plus", "f: Sh, factor: f32, g: Sh", "f.h{i} * factor + g.h{i}"),
     ];
     for (name, arguments, value) in functions {
         code.open(name, bands, "", arguments);
@@ -413,7 +433,7 @@ fn elementwise(code: &mut Code, bands: usize) {
         writeln!(code.text, "fn sh_{name}({arguments}) -> f32 {{").expect("writing to a string");
         code.bind("sum", "0.0f");
         for i in first..bands * bands {
-            let value = code.mul_add(&format!("{a}[{i}]"), &format!("{b}[{i}]"), "sum");
+            let value = code.mul_add(&code.at(a, i), &code.at(b, i), "sum");
             code.bind("sum", &value);
         }
         code.line("return sum;");
@@ -427,7 +447,7 @@ fn conversions(code: &mut Code, bands: usize) {
     let component = |i: usize| COMPONENTS[i % 4];
     let list = |items: Vec<String>| items.join(", ");
     let of_band = |l: usize| format!("{}.{}", if l < 4 { "low" } else { "high" }, component(l));
-    let of_coefficient = |i: usize| if i < bands * bands { format!("f[{i}]") } else { "0.0f".to_owned() };
+    let of_coefficient = |i: usize| if i < bands * bands { format!("f.h{i}") } else { "0.0f".to_owned() };
     let parts = (bands * bands).div_ceil(4);
     let part = |k: usize| format!("vec4f({})", list((4 * k..4 * k + 4).map(of_coefficient).collect()));
     write!(
@@ -435,9 +455,16 @@ fn conversions(code: &mut Code, bands: usize) {
         "const SH_PARTS = {parts}u;\n\
          fn sh_bands(low: vec4f, high: vec4f) -> ShBands {{\n    return ShBands({});\n}}\n\
          fn sh_parts(f: Sh) -> array<vec4f, {parts}> {{\n    return array<vec4f, {parts}>({});\n}}\n\
+         fn sh_part(f: Sh, part: u32) -> vec4f {{\n    switch part {{\n{}    }}\n}}\n\
          fn sh_of_parts(p: array<vec4f, {parts}>) -> Sh {{\n    return Sh({});\n}}\n",
         list((0..bands).map(of_band).collect()),
         list((0..parts).map(part).collect()),
+        (0..parts)
+            .map(|k| {
+                let case = if k + 1 == parts { "default".to_owned() } else { format!("case {k}u") };
+                format!("        {case}: {{ return {}; }}\n", part(k))
+            })
+            .collect::<String>(),
         list((0..bands * bands).map(|i| format!("p[{}].{}", i / 4, component(i))).collect()),
     )
     .expect("writing to a string");

@@ -23,7 +23,7 @@ macro_rules! generated {
 
 /// The WGSL module for a number of bands, or `None` if there is none.
 ///
-/// It declares `SH_BANDS` and `SH_COUNT`, the vector `Sh` of so many coefficients, `ShBands` of one number per band, and
+/// It declares `SH_BANDS` and `SH_COUNT`, the vector `Sh` of so many coefficients `h0`, `h1`, .., `ShBands` of one number per band, and
 /// `sh_basis(direction)`, `sh_add_lobe(direction, scale, sum)`, `sh_product(f, g)`, `sh_square(f)` as in [`crate::kernel`];
 /// `sh_times_bands(f, factors)`, `sh_scaled(f, factor)`, `sh_plus(f, g)`, `sh_mix(f, g, weight)`, `sh_scaled_plus(f, factor, g)`,
 /// coefficient by coefficient; `sh_dot(f, g)`, and `sh_isolated_energy(f)`, the squares of all coefficients but the first;

@@ -83,14 +83,16 @@ pub(super) fn blocker(gpu: &Arc<Gpu>) -> Result<(), Failed> {
         let frame = Frame::new(&format!("bands={bands},bounces=0"))?;
         let sines: Vec<f64> = (0..CALLS).map(|i| single((i as f64 / (CALLS - 1) as f64).powi(3).max(1e-12))).collect();
         let inputs: Vec<[f32; 4]> = sines.iter().map(|&squared| [squared as f32, 0.0, 0.0, 0.0]).collect();
-        let body = "let found = zonal(input[0].x, 0u, vec4f(1.0), vec4f(1.0));
-            for (var l = 0u; l < SH_BANDS; l++) { output[l / 4u][l % 4u] = found[l]; }";
+        let give = |l: usize| format!("output[{}][{}] = found.h{l};", l / 4, l % 4);
+        let body: String = std::iter::once("let found = zonal(input[0].x, 0u, vec4f(1.0), vec4f(1.0));".to_owned())
+            .chain((0..bands).map(give))
+            .collect();
         let found = Probe {
             shader: "sh_exp/blocker.wgsl",
             bands: Some(bands),
             constants: &[],
             rows: [1, bands.div_ceil(4)],
-            body,
+            body: &body,
             variables: &frame.variables(),
         }
         .call(gpu, &inputs)?;
