@@ -115,7 +115,7 @@ pub const RAY_TRACED: Kernel = Kernel {
         },
         Twin {
             shader: "ray_traced/traverse.wgsl",
-            cpu: "halfshade_strategies::shared::triangle_rays",
+            cpu: "halfshade_rays",
             tolerance: 1e-3,
             reason: "a ray that grazes an edge may be decided otherwise: a share of all rays",
         },

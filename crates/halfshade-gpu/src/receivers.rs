@@ -7,8 +7,8 @@ use crate::{
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3, Vec3};
-use halfshade_scene::{Frame, RadianceMut, Receivers, SurfacePoint};
 use halfshade_rays::origin_between;
+use halfshade_scene::{Frame, RadianceMut, Receivers, SurfacePoint};
 use std::{
     ops::Range,
     sync::{Mutex, PoisonError},

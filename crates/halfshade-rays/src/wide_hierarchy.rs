@@ -1,4 +1,4 @@
-//! Hierarchies with eight boxes in a node, which a ray meets all at once [Wald2008].
+//! Hierarchies with eight boxes in a node, which a ray meets all at once \[Wald2008\].
 
 use crate::{
     binary::{Binary, around},
@@ -241,7 +241,7 @@ impl WideHierarchy {
     }
 }
 
-/// The cheapest way to make nodes with eight children of a binary hierarchy, by surface areas [Ylitie2017].
+/// The cheapest way to make nodes with eight children of a binary hierarchy, by surface areas \[Ylitie2017\].
 ///
 /// A ray meets a node or a leaf in proportion to its area. C(n, i) is the least cost of what is below node n as at most i children
 /// of one node: as one it is a leaf, or a node of its own with eight.

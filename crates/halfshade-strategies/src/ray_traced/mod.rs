@@ -20,9 +20,9 @@ mod prepare;
 mod settings;
 mod shade;
 
+use halfshade_rays::SceneRays;
 use halfshade_scene::{EyeLobes, Frame, Placement, Progress, Scene};
 use halfshade_strategy::{Baked, Effect, Effects, Footprint, Info, Params, Prepared, Strategy, StrategyError};
-use halfshade_rays::SceneRays;
 use prepare::{
     light_sampler::LightSampler,
     occlusion::{Meshes, Occlusion},

@@ -62,7 +62,10 @@ pub(crate) struct TriangleRays {
 impl TriangleRays {
     /// In the mesh's own space.
     pub(crate) fn new(mesh: &Mesh) -> Self {
-        Self { rays: MeshRays::new(&mesh.positions, &mesh.triangles), cut_out: mesh.has_cutouts().then(|| mesh.clone()) }
+        Self {
+            rays: MeshRays::new(&mesh.positions, &mesh.triangles),
+            cut_out: mesh.has_cutouts().then(|| mesh.clone()),
+        }
     }
 
     /// Whether a triangle lies on the ray within `limit`, which may be infinite. `direction` has unit length.

@@ -164,7 +164,8 @@ mod tests {
             })
             .collect();
         let error = |resolution| {
-            let projected = ProjectedField::new(&basis, (&TriangleRays::new(&mesh), bounds), shells(10, resolution), &Silent);
+            let projected =
+                ProjectedField::new(&basis, (&TriangleRays::new(&mesh), bounds), shells(10, resolution), &Silent);
             let field = Field::new(&basis, &projected, FIXED, Storage::F32);
             let squares = points.iter().map(|&point| {
                 let exact = exact(&mesh, &field, point, 48);
