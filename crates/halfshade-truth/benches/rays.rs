@@ -1,4 +1,5 @@
-//! Rays per second of the whole estimator beside obvhs's own bare traversal of the same rays, on one thread.
+//! Rays per second of halfshade-rays, and of the whole estimator, beside obvhs's own bare traversal of the same rays, on one
+//! thread.
 //!
 //! The bare form traces rays that lie ready in memory with obvhs's own triangle test, which is not watertight, and sums
 //! nothing. The estimator also draws every direction, weighs its light, and keeps sums per replicate.
@@ -74,7 +75,7 @@ impl Watertight {
             first += object.mesh.positions.len() as u32;
         }
         let ray = |ray: &ShadowRay| {
-            let direction = Vec3::from(ray.direction).as_dvec3().normalize();
+            let direction = ray.direction.as_dvec3().normalize();
             halfshade_rays::Ray::new(ray.origin + 1e-5 * direction, direction).until(f64::from(ray.distance))
         };
         Self { mesh: MeshRays::new(&positions, &triangles), rays: rays.iter().map(ray).collect() }
@@ -98,7 +99,9 @@ fn compare(criterion: &mut Criterion, name: &str, scene: &Scene) {
     let rays = shadow_rays(&tracer, receivers.view(), &options);
     let bare = Bare::new(&frame, &rays);
     let watertight = Watertight::new(&frame, &rays);
-    println!("of {} rays pass {} and {}", rays.len(), bare.count_misses(), watertight.count_misses());
+    // obvhs meets what lies behind by rounding, and may lose a ray at an edge.
+    let (passing, of_bare) = (watertight.count_misses(), bare.count_misses());
+    assert!(passing.abs_diff(of_bare) * 1000 < rays.len(), "{passing} {of_bare}");
     let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");
 
     let mut group = criterion.benchmark_group(name);

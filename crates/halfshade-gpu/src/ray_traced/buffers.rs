@@ -11,7 +11,7 @@ use halfshade_scene::Frame;
 use halfshade_strategies::ray_traced::arrays::{LightSampler, SampleArrays};
 use halfshade_strategy::Params;
 
-/// What the functions of `ray_traced` read of the a frame.
+/// Buffers that the functions of `ray_traced` read of a frame.
 #[derive(Debug)]
 pub struct RayBuffers {
     /// Settings.

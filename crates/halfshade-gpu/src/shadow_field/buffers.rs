@@ -9,7 +9,7 @@ use glam::{DMat3, DVec3};
 use halfshade_scene::{Scene, VertexWeights};
 use halfshade_strategies::shadow_field::arrays::{FrameArrays, SceneArrays};
 
-/// What the functions of `shadow_field` read of a frame, in the units of the scene.
+/// Buffers that the functions of `shadow_field` read of a frame, in the units of the scene.
 #[derive(Debug)]
 pub struct FieldBuffers {
     /// Settings.

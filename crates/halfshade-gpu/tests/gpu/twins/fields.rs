@@ -202,7 +202,7 @@ pub(super) fn rotate(gpu: &Arc<Gpu>) -> Result<(), Failed> {
         let world = World::new(bands, Storage::U8, 16);
         let vectors: Vec<Vec<f64>> = (0..CALLS)
             .map(|i| {
-                // Of each object first nothing.
+                // Each object begins with nothing.
                 let most = if i < OBJECTS { 0.0 } else { 1.0 };
                 numbers(count, most, &mut random)
             })

@@ -211,7 +211,7 @@ impl Exact {
             let squared = (Vec3::from(blocker.center).as_dvec3()).distance_squared(receiver.position.as_dvec3());
             let radius_squared = f64::from(blocker.radius).powi(2);
             let key = if self.way.by_power { squared - radius_squared } else { squared };
-            // What the sphere sends to the receiver leaves it in the opposite direction.
+            // Light that the sphere sends to the receiver leaves it in the opposite direction.
             let average = self.average(-direction, sin_squared.sqrt());
             let of_channel = |channel: usize| {
                 let vector = blocker.emitter as usize * self.way.channels + channel % self.way.channels;

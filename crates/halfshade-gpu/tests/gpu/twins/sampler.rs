@@ -1,4 +1,4 @@
-//! What shines, and directions drawn where it does.
+//! Lights, and directions drawn where they are.
 
 use super::{
     CALLS, compare, direction, finite, single, tolerance,

@@ -72,7 +72,7 @@ impl Shell {
                 (Stored::U8(bytes), decoded)
             }
             Storage::F16 => {
-                // Of either sign, smaller than 2, down to zero and denormal ones.
+                // Either sign, smaller than 2, down to zero and denormal ones.
                 let halves: Vec<u16> =
                     all.map(|_| random.random_range(0..1 << 14) | random.random_range(0..2) << 15).collect();
                 let decoded = halves.iter().map(|&bits| half(bits)).collect();
@@ -317,7 +317,7 @@ fn turn(number: usize, random: &mut Pcg64Mcg) -> DMat3 {
     DMat3::from_quat(DQuat::from_axis_angle(axis, angle.unwrap_or_else(|| random.random_range(0.0..6.0))))
 }
 
-/// What functions of `shadow_field` read.
+/// Buffers that functions of `shadow_field` read.
 pub(super) fn variables(buffers: &FieldBuffers) -> [Variable<'_>; 4] {
     [
         Variable::uniform(0, "frame", &buffers.uniforms),

@@ -155,7 +155,7 @@ fn singles(vector: Vec<f64>) -> Vec<f64> {
     vector.into_iter().map(single).collect()
 }
 
-/// What is visible past nothing, everything, a cap, noise that no visibility is.
+/// Visibility past nothing, everything, a cap, noise that no visibility is.
 fn visibility(number: usize, bands: usize, random: &mut Pcg64Mcg) -> Vec<f64> {
     let noise = numbers(bands * bands, 3.0, random);
     let cap = zonal::blocker(bands, random.random_range(-1.0..1.0));

@@ -19,7 +19,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::sync::Arc;
 
-/// What functions of `ray_traced` read of a frame.
+/// Buffers that functions of `ray_traced` read of a frame.
 pub(super) fn ray_buffers(frame: &Frame<'_>) -> Result<RayBuffers, Failed> {
     let params = RayTraced.info().parse("").map_err(|error| Failed::from(error.to_string()))?;
     Ok(RayBuffers::new(frame, &params)?)
@@ -250,7 +250,7 @@ fn degenerate(gpu: &Arc<Gpu>, random: &mut Pcg64Mcg) -> Result<(), Failed> {
     compare("degenerate", 0.0, &found, &vec![false; list.len()])
 }
 
-/// What faces a ray is met behind its origin too, by as much as that may be off; what faces away isn't within as much ahead.
+/// A triangle that faces a ray is met behind its origin too, by as much as that may be off; one that faces away isn't within as much ahead.
 fn within_slack(gpu: &Arc<Gpu>, random: &mut Pcg64Mcg) -> Result<(), Failed> {
     let scene = scene([(shapes::plane(1), Pose::IDENTITY)]);
     let rays = ray_buffers(&scene.frame(0))?;
