@@ -295,6 +295,10 @@ pub const KERNELS: &[Kernel] = &[UNSHADOWED, RAY_TRACED, SH_EXP, SH_EXP_EMIT, SH
 
 /// All that has none.
 pub const MISSING: &[Missing] = &[
+    Missing {
+        cpu: "halfshade_strategies::ray_traced::shade, estimator=ratio",
+        instead: "estimator=plain or device `cpu`",
+    },
     Missing { cpu: "halfshade_strategies::sh_exp::kernel::traced", instead: "exp=hybrid or device `cpu`" },
     Missing { cpu: "halfshade_strategies::shadow_field::shade::haar", instead: "basis=sh or device `cpu`" },
     Missing { cpu: "halfshade_strategies::shadow_field::shade::traced", instead: "sampling=adaptive or device `cpu`" },

@@ -56,6 +56,10 @@ impl Strategy for RayTracedOnGpu {
     }
 
     fn bake(&self, scene: &Scene, params: &Params, _: &dyn Progress) -> Result<Box<dyn Baked>, StrategyError> {
+        let samples = SampleArrays::new(params);
+        if samples.is_ratio {
+            return Err(StrategyError::Unsupported("no kernels for graphics devices yet: estimator=ratio".into()));
+        }
         let constants = [
             ("SAMPLES_AT_ONCE", f64::from(SAMPLES_AT_ONCE)),
             ("IS_GLOSSY", flag(scene.is_glossy())),
@@ -64,7 +68,6 @@ impl Strategy for RayTracedOnGpu {
         let runner = Runner::new(&self.bench, &RAY_TRACED, None, &constants, size_of::<FrameUniforms>())?;
         let tables = Tables::new(scene);
         let meshes = Meshes::of(&scene.frame(0), &tables.holes);
-        let samples = SampleArrays::new(params);
         let mut baked = BakedOnGpu { runner, samples, light: None, resident: None, tables, meshes };
         baked.runner.write(1, &baked.meshes.nodes)?;
         baked.runner.write(2, &baked.meshes.triangles)?;

@@ -13,13 +13,25 @@
 //! becomes their sum. Sharp lobes are then found whatever shines into them, except by `sampling=light` alone, which is
 //! unbiased there but noisy.
 //!
-//! Shares no code with the truth: a mistake that both made would cancel out in the score.
+//! All of this estimates light and visibility together, and a few rays tell neither: of a map they miss what is bright.
+//! `estimator=ratio` takes the light E that would arrive unshadowed, which is known, and from the rays only the share that is seen,
+//! by channel \[Heitz2018\]:
+//!
+//! ```text
+//! L ≈ albedo/π · E · Σ w_i V(ω_i) / Σ w_i      w_i = L(ω_i) max(n·ω_i, 0) / p(ω_i)
+//! ```
+//!
+//! It lies between 0 and the unshadowed light, whatever the rays meet, and is E itself where no ray carries light. Its bias falls with
+//! 1/k. A glossy receiver's lobes are estimated as before, its diffuse part by the ratio.
+//!
+//! Shares nothing with the truth but rays: a mistake that both made would cancel out in the score.
 
 pub mod arrays;
 mod prepare;
 mod settings;
 mod shade;
 
+use crate::shared::irradiance::{FrameIrradiance, Irradiance};
 use halfshade_rays::SceneRays;
 use halfshade_scene::{EyeLobes, Frame, Placement, Progress, Scene};
 use halfshade_strategy::{Baked, Effect, Effects, Footprint, Info, Params, Prepared, Strategy, StrategyError};
@@ -27,7 +39,7 @@ use prepare::{
     light_sampler::LightSampler,
     occlusion::{Meshes, Occlusion},
 };
-use settings::Settings;
+use settings::{Estimator, Settings};
 use shade::FrameRays;
 
 /// The strategy.
@@ -40,7 +52,12 @@ struct Kept {
     meshes: Meshes,
     placed: Option<(Placement, SceneRays)>,
     light: Option<LightSampler>,
+    /// If light is to be known.
+    irradiance: Option<Irradiance>,
 }
+
+/// Cells of the table of irradiance over normals.
+const NORMAL_CELLS: usize = 32;
 
 impl Strategy for RayTraced {
     fn info(&self) -> Info {
@@ -59,7 +76,10 @@ impl Strategy for RayTraced {
     }
 
     fn bake(&self, scene: &Scene, params: &Params, _: &dyn Progress) -> Result<Box<dyn Baked>, StrategyError> {
-        Ok(Box::new(Kept { settings: Settings::read(params), meshes: Meshes::new(scene), placed: None, light: None }))
+        let settings = Settings::read(params);
+        let is_ratio = settings.estimator == Estimator::Ratio;
+        let irradiance = is_ratio.then(|| Irradiance::new(&scene.environment.base, NORMAL_CELLS));
+        Ok(Box::new(Kept { settings, meshes: Meshes::new(scene), placed: None, light: None, irradiance }))
     }
 }
 
@@ -70,22 +90,28 @@ impl Baked for Kept {
                 ("hierarchies and triangles", self.meshes.bytes()),
                 ("hierarchy over objects", self.placed.as_ref().map_or(0, |(_, rays)| rays.bytes())),
                 ("light sampler", self.light.as_ref().map_or(0, LightSampler::bytes)),
+                ("irradiance over normals", self.irradiance.as_ref().map_or(0, Irradiance::bytes)),
             ],
         }
     }
 
     fn prepare(&mut self, frame: &Frame<'_>) -> Result<Box<dyn Prepared + '_>, StrategyError> {
-        let Settings { samples, sampling } = self.settings;
+        let Settings { samples, sampling, .. } = self.settings;
         let known = self.placed.take().filter(|(placement, _)| frame.is_placed_as(placement));
         let (_, rays) = self.placed.insert(known.unwrap_or_else(|| (frame.placement(), self.meshes.placed(frame))));
         let known = self.light.take();
         let light = self.light.insert(LightSampler::new(frame, known));
         let share = sampling.cosine_share();
+        let irradiance = self.irradiance.as_mut().map(|irradiance| {
+            irradiance.set_base(&frame.scene.environment.base);
+            FrameIrradiance::new(irradiance, frame)
+        });
         Ok(Box::new(FrameRays {
             samples,
             cosine_share: if share > 0.0 && light.is_constant() { 1.0 } else { share },
             occlusion: Occlusion::new(&self.meshes, rays),
             light,
+            irradiance,
             eye_lobes: EyeLobes::new(frame),
         }))
     }
@@ -94,7 +120,7 @@ impl Baked for Kept {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shared::test_scenes::with_spheres;
+    use crate::{Unshadowed, shared::test_scenes::with_spheres};
     use glam::Vec3;
     use halfshade_scene::{
         Environment, Motion, Pose, RadianceBuffer, ReceiverBuffer, Sphere, SphereLight,
@@ -104,7 +130,10 @@ mod tests {
 
     fn shade(scene: &Scene, settings: &str, receivers: &ReceiverBuffer) -> RadianceBuffer {
         let params = RayTraced.info().parse(settings).unwrap();
-        let mut baked = RayTraced.bake(scene, &params, &Silent).unwrap();
+        shaded(RayTraced.bake(scene, &params, &Silent).unwrap(), scene, receivers)
+    }
+
+    fn shaded(mut baked: Box<dyn Baked>, scene: &Scene, receivers: &ReceiverBuffer) -> RadianceBuffer {
         let frame = scene.frame(0);
         let prepared = baked.prepare(&frame).unwrap();
         let mut out = RadianceBuffer::zeros(receivers.len());
@@ -150,6 +179,38 @@ mod tests {
             let relative = mean(&scene, settings) / reference - 1.0;
             assert!(relative.abs() < tolerance, "{settings}: {relative}");
         }
+    }
+
+    fn lit_by_a_map() -> Scene {
+        let texels =
+            (0..32 * 16).map(|i| Vec3::new(0.2 + (i % 5) as f32, 1.0, if i == 40 { 300.0 } else { 0.1 })).collect();
+        let mut environment = Environment::map(EnvironmentMap::new(32, 16, texels).unwrap());
+        let direction = Vec3::new(0.5, 0.7, 0.2).normalize();
+        environment.sun = Some(Sun { direction, angular_radius: 0.1, radiance: Vec3::splat(40.0) });
+        with_spheres(environment, &[Sphere { center: Vec3::new(0.9, 1.5, 0.2), radius: 0.5 }])
+    }
+
+    /// A share of what is known: all of it where nothing is in the way, however few the rays; never less than nothing nor more than
+    /// that; and by many rays what they see.
+    #[test]
+    fn a_ratio_is_a_share_of_the_light() {
+        let mut scene = lit_by_a_map();
+        let mut receivers = ReceiverBuffer::default();
+        (0..64).for_each(|i| receivers.push(Vec3::X * (i as f32 * 0.05 - 1.0), Vec3::Y, Vec3::ONE, 0));
+        let open = Unshadowed.bake(&scene, &Unshadowed.info().defaults(), &Silent).unwrap();
+        let unshadowed = shaded(open, &scene, &receivers);
+        for samples in [1, 4, 64] {
+            let found = shade(&scene, &format!("samples={samples},estimator=ratio"), &receivers);
+            for i in 0..receivers.len() {
+                assert!(found.at(i).cmpge(Vec3::ZERO).all() && found.at(i).cmple(unshadowed.at(i) * 1.000_001).all());
+            }
+        }
+        let mean = |settings: &str| mean(&scene, settings);
+        let difference = mean("samples=1024,estimator=ratio") / mean("samples=4096") - 1.0;
+        assert!(difference.abs() < 0.02, "{difference}");
+        scene.objects.clear();
+        let found = shade(&scene, "samples=2,estimator=ratio", &receivers);
+        assert!((0..receivers.len()).all(|i| (found.at(i) - unshadowed.at(i)).abs().max_element() < 1e-5));
     }
 
     /// A lobe of 10^5 finds what it mirrors, a small lamp, without a value that stands out.

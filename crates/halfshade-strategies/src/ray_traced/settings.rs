@@ -14,6 +14,16 @@ choice! {
     }
 }
 
+choice! {
+    /// What is made of the rays of a receiver.
+    pub enum Estimator {
+        /// their light, unbiased: light and visibility are estimated together
+        Plain = "plain",
+        /// all of the light, which is known, times the share of it that the rays see [Heitz2018]
+        Ratio = "ratio",
+    }
+}
+
 settings! {
     /// Everything that can be set.
     pub(super) struct Settings {
@@ -21,6 +31,8 @@ settings! {
         "samples" => samples: u32 = 16, in 1..=4096;
         /// how directions are drawn
         "sampling" => sampling: Sampling = Sampling::Both;
+        /// what is made of them
+        "estimator" => estimator: Estimator = Estimator::Plain;
     }
 }
 

@@ -2,6 +2,7 @@
 //! without rays.
 
 pub(crate) mod adjustment;
+pub(crate) mod irradiance;
 pub(crate) mod origin;
 pub(crate) mod placed_spheres;
 pub mod projected_light;

@@ -6,19 +6,17 @@
 //!
 //! Constant light, the sun and local spheres are closed forms. A map's irradiance is tabulated over normals in the
 //! environment's own space, so that turning the environment costs a rotation per receiver and no rebuilding. It isn't
-//! band-limited; its error is that of the cells ([`DirectionalCells`]) and of the interpolation, together below 5e-3 of
+//! band-limited; its error is that of the cells (`DirectionalCells`) and of the interpolation, together below 5e-3 of
 //! the irradiance's mean at the default resolution. Of gloss it knows nothing: a lobe cut by a horizon has no table over
 //! normals.
 
-use glam::{Mat3, Vec3};
-use halfshade_scene::{
-    Frame, Progress, RadianceMut, Receivers, Scene, SphereLight,
-    light::{DirectionalCells, DistantLight, OctahedralGrid, Sun},
-};
+pub use crate::shared::irradiance::Irradiance;
+
+use crate::shared::irradiance::FrameIrradiance;
+use halfshade_scene::{Frame, Progress, RadianceMut, Receivers, Scene};
 use halfshade_strategy::{
     Baked, Effect, Effects, Footprint, Info, Params, Prepared, Strategy, StrategyError, settings,
 };
-use rayon::prelude::*;
 use std::f32::consts::PI;
 
 /// The strategy.
@@ -33,34 +31,11 @@ settings! {
     }
 }
 
-/// The environment's irradiance over normals, in its own space.
-#[derive(Debug)]
-pub struct Irradiance {
-    /// The environment without its sun.
-    pub base: DistantLight,
-    /// Nodes of the table.
-    pub grid: OctahedralGrid,
-    /// Irradiance at each node of the grid; empty for constant light.
-    pub table: Vec<Vec3>,
-}
-
 impl Unshadowed {
     /// The table that it bakes for `scene`.
     pub fn irradiance(scene: &Scene, params: &Params) -> Irradiance {
-        let grid = OctahedralGrid::new(Settings::read(params).normals);
-        let mut irradiance = Irradiance { base: DistantLight::Constant(Vec3::ZERO), grid, table: Vec::new() };
-        irradiance.set_base(&scene.environment.base);
-        irradiance
+        Irradiance::new(&scene.environment.base, Settings::read(params).normals)
     }
-}
-
-/// The light of a frame.
-#[derive(Debug)]
-struct FrameLight<'a> {
-    distant: &'a Irradiance,
-    sun: Option<Sun>,
-    environment_from_world: Mat3,
-    lights: Vec<SphereLight>,
 }
 
 impl Strategy for Unshadowed {
@@ -84,66 +59,21 @@ impl Strategy for Unshadowed {
     }
 }
 
-impl Irradiance {
-    /// Makes it that of `base`; whether it was another one.
-    pub fn set_base(&mut self, base: &DistantLight) -> bool {
-        if self.base.is_same_as(base) {
-            return false;
-        }
-        self.base = base.clone();
-        self.table = match base {
-            DistantLight::Constant(_) => Vec::new(),
-            DistantLight::Map(map) => {
-                let cells = DirectionalCells::new(map);
-                let nodes = 0..self.grid.node_count();
-                nodes.into_par_iter().map(|node| cells.irradiance(self.grid.direction(node))).collect()
-            }
-        };
-        true
-    }
-
-    fn at(&self, normal: Vec3) -> Vec3 {
-        match &self.base {
-            DistantLight::Constant(radiance) => PI * *radiance,
-            DistantLight::Map(_) => {
-                let found = self.grid.lookup(normal);
-                (0..3).map(|k| found.weights[k] * self.table[found.nodes[k]]).sum()
-            }
-        }
-    }
-}
-
-impl FrameLight<'_> {
-    fn irradiance(&self, position: Vec3, normal: Vec3) -> Vec3 {
-        let normal_in_environment = self.environment_from_world * normal;
-        let mut irradiance = self.distant.at(normal_in_environment);
-        if let Some(sun) = self.sun {
-            irradiance += sun.irradiance(normal_in_environment);
-        }
-        self.lights.iter().fold(irradiance, |sum, light| sum + light.irradiance(position, normal))
-    }
-}
-
 impl Baked for Irradiance {
     fn footprint(&self) -> Footprint {
-        Footprint { parts: vec![("irradiance over normals", size_of_val(self.table.as_slice()))] }
+        Footprint { parts: vec![("irradiance over normals", self.bytes())] }
     }
 
     fn prepare(&mut self, frame: &Frame<'_>) -> Result<Box<dyn Prepared + '_>, StrategyError> {
         self.set_base(&frame.scene.environment.base);
-        Ok(Box::new(FrameLight {
-            distant: self,
-            sun: frame.scene.environment.sun,
-            environment_from_world: Mat3::from_quat(frame.world_from_environment.normalize().conjugate()),
-            lights: frame.lights.clone(),
-        }))
+        Ok(Box::new(FrameIrradiance::new(self, frame)))
     }
 }
 
-impl Prepared for FrameLight<'_> {
+impl Prepared for FrameIrradiance<'_> {
     fn shade(&self, receivers: Receivers<'_>, mut out: RadianceMut<'_>) {
         for i in 0..receivers.len() {
-            let irradiance = self.irradiance(receivers.position_at(i), receivers.normal_at(i));
+            let irradiance = self.at(receivers.position_at(i), receivers.normal_at(i));
             out.set(i, receivers.albedo_at(i) * irradiance / PI);
         }
     }
@@ -152,7 +82,8 @@ impl Prepared for FrameLight<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use halfshade_scene::light::EnvironmentMap;
+    use glam::Vec3;
+    use halfshade_scene::light::{DirectionalCells, DistantLight, EnvironmentMap};
     use std::sync::Arc;
 
     /// The table against the sum over cells, which `DirectionalCells` tests against quadrature.

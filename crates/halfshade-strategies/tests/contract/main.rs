@@ -34,6 +34,13 @@ contract_tests!(
     Bounds { quadrature: 0.8, gloss: 1.2, rotation: 1.5, brightening: 1.5, ..NOISE }
 );
 
+contract_tests!(
+    ray_traced_ratio,
+    RayTraced,
+    "samples=256,estimator=ratio",
+    Bounds { quadrature: 0.15, gloss: 0.15, brightening: 0.0, ..NOISE }
+);
+
 /// Ringing of four bands under a sun: a blocker beside the sun may brighten its ray.
 const RINGING: Bounds = Bounds { constant: 1e-5, quadrature: 0.01, gloss: 0.01, rotation: 0.005, brightening: 0.2 };
 

@@ -7,6 +7,7 @@ use super::prepare::{
     light_sampler::{LightSampler, cosine_direction},
     occlusion::Occlusion,
 };
+use crate::shared::irradiance::FrameIrradiance;
 use glam::{DVec3, Vec3};
 use halfshade_scene::{EyeLobes, Lobe, Lobes, RadianceMut, Receivers};
 use halfshade_strategy::Prepared;
@@ -21,6 +22,8 @@ pub(super) struct FrameRays<'a> {
     pub(super) cosine_share: f64,
     pub(super) occlusion: Occlusion<'a>,
     pub(super) light: &'a LightSampler,
+    /// All of the light, if rays are to tell only the share of it that is seen.
+    pub(super) irradiance: Option<FrameIrradiance<'a>>,
     /// Lobes by which receivers reflect towards the eye, if anything is glossy.
     pub(super) eye_lobes: Option<EyeLobes>,
 }
@@ -35,7 +38,7 @@ impl FrameRays<'_> {
             return Vec3::ZERO;
         }
         let (plane, space) = (Points::<2>::new(index), Points::<3>::new(index));
-        let mut sum = DVec3::ZERO;
+        let mut sums = Sums::default();
         for i in 0..self.samples {
             let direction = if cosine_share == 1.0 {
                 cosine_direction(axis, plane.at(i))
@@ -48,9 +51,17 @@ impl FrameRays<'_> {
                     light.sample(position, axis, power, [choice, u, v])
                 }
             };
-            sum += self.one_sample(position, axis, direction, cosine_share, power);
+            self.add_sample(&mut sums, (position, axis), direction, power);
         }
-        (sum / f64::from(self.samples)).as_vec3()
+        self.estimate(&sums, position, normal).as_vec3()
+    }
+
+    /// Outgoing radiance of a white receiver by its samples.
+    fn estimate(&self, sums: &Sums, position: Vec3, normal: Vec3) -> DVec3 {
+        match &self.irradiance {
+            None => sums.seen / f64::from(self.samples),
+            Some(irradiance) => irradiance.at(position, normal).as_dvec3() / PI * sums.share(),
+        }
     }
 
     /// Radiance of a glossy receiver: the same with all of its lobes in place of the cosine.
@@ -65,7 +76,7 @@ impl FrameRays<'_> {
             return Vec3::ZERO;
         }
         let points = Points::<3>::new(receivers.index[i]);
-        let mut sum = DVec3::ZERO;
+        let (mut sum, mut diffuse) = (DVec3::ZERO, Sums::default());
         for k in 0..self.samples {
             let [choice, u, v] = points.at(k);
             let direction = if choice < share {
@@ -80,25 +91,33 @@ impl FrameRays<'_> {
             let arriving = light.radiance(position, direction);
             let density = share * by_reflectance + (1.0 - share) * arriving.element_sum() / power;
             if arriving != DVec3::ZERO && density > 0.0 {
-                sum += reflectance * self.seen(position, axis, direction) / density;
+                let seen = self.seen(position, axis, direction);
+                sum += reflectance * seen / density;
+                diffuse.add(axis.dot(direction) / (PI * density), seen, arriving);
             }
         }
-        (sum / f64::from(self.samples)).as_vec3()
+        let all = sum / f64::from(self.samples);
+        if self.irradiance.is_none() {
+            return all.as_vec3();
+        }
+        // The diffuse part is in all of it by these very samples.
+        let estimated = self.estimate(&diffuse, position, normal) - diffuse.seen / f64::from(self.samples);
+        (all + receivers.albedo_at(i).as_dvec3() * estimated).max(DVec3::ZERO).as_vec3()
     }
 
-    /// L V cosθ / (π p) along one direction.
-    fn one_sample(&self, position: Vec3, normal: DVec3, direction: DVec3, cosine_share: f64, power: f64) -> DVec3 {
+    /// Adds L V cosθ / (π p) along one direction, and the same without V.
+    fn add_sample(&self, sums: &mut Sums, (position, normal): (Vec3, DVec3), direction: DVec3, power: f64) {
         let cosine = normal.dot(direction);
         if cosine <= 0.0 {
-            return DVec3::ZERO;
+            return;
         }
         let arriving = self.light.radiance(position, direction);
         let by_light = arriving.element_sum() / power;
-        let density = cosine_share * cosine / PI + (1.0 - cosine_share) * by_light;
+        let density = self.cosine_share * cosine / PI + (1.0 - self.cosine_share) * by_light;
         if arriving == DVec3::ZERO || density <= 0.0 {
-            return DVec3::ZERO;
+            return;
         }
-        self.seen(position, normal, direction) * (cosine / (PI * density))
+        sums.add(cosine / (PI * density), self.seen(position, normal, direction), arriving);
     }
 
     /// The radiance that arrives along a direction and isn't blocked.
@@ -113,6 +132,28 @@ impl FrameRays<'_> {
             }
         }
         radiance.as_dvec3()
+    }
+}
+
+/// Light of the samples of a receiver.
+#[derive(Default)]
+struct Sums {
+    /// Blocked where it is, and as if nothing were.
+    seen: DVec3,
+    open: DVec3,
+}
+
+impl Sums {
+    fn add(&mut self, weight: f64, seen: DVec3, arriving: DVec3) {
+        self.seen += weight * seen;
+        self.open += weight * arriving;
+    }
+
+    /// The share that is seen, by channel; all of it where no sample carries light.
+    fn share(&self) -> DVec3 {
+        let share =
+            |channel: usize| if self.open[channel] > 0.0 { self.seen[channel] / self.open[channel] } else { 1.0 };
+        DVec3::new(share(0), share(1), share(2)).min(DVec3::ONE)
     }
 }
 
