@@ -108,7 +108,8 @@ fn united(a: Option<[Vec3; 2]>, b: Option<[Vec3; 2]>) -> Option<[Vec3; 2]> {
     around(a.into_iter().chain(b))
 }
 
-fn half_area([low, high]: [Vec3; 2]) -> f32 {
+/// A box's area over 2.
+pub(crate) fn half_area([low, high]: [Vec3; 2]) -> f32 {
     let size = high - low;
     size.x * size.y + size.y * size.z + size.z * size.x
 }

@@ -38,7 +38,8 @@ impl MeshRays {
         let known: Vec<(u32, [Vec3; 3])> = (triangles.iter().enumerate())
             .filter_map(|(number, triangle)| Some((number as u32, corners_of(positions, *triangle)?)))
             .collect();
-        let (space, bounds) = placed_bounds(known.iter().flat_map(|(_, corners)| *corners));
+        let bounds = around(known.iter().flat_map(|(_, corners)| *corners).map(|corner| [corner; 2]));
+        let space = Space::around(bounds);
         let placed = |corners: [Vec3; 3]| corners.map(|corner| space.place(corner.as_dvec3()).as_vec3());
         let known: Vec<(u32, [Vec3; 3])> =
             known.into_iter().map(|(number, corners)| (number, placed(corners))).collect();
@@ -55,7 +56,8 @@ impl MeshRays {
     /// apart.
     pub fn refit(&mut self, positions: &[Vec3], triangles: &[[u32; 3]]) {
         let corners = triangles.iter().filter_map(|&triangle| corners_of(positions, triangle));
-        (self.space, self.bounds) = placed_bounds(corners.flatten());
+        self.bounds = around(corners.flatten().map(|corner| [corner; 2]));
+        self.space = Space::around(self.bounds);
         for block in &mut self.blocks {
             for lane in 0..block.count {
                 let triangle = triangles.get(block.triangles[lane] as usize);
@@ -119,11 +121,4 @@ impl MeshRays {
     fn outside(&self, crossing: Crossing, skipped: f64) -> Crossing {
         crossing.with_distance(self.space.length_outside(crossing.distance + skipped))
     }
-}
-
-/// The space and the box of points.
-fn placed_bounds(points: impl Iterator<Item = Vec3>) -> (Space, Option<[Vec3; 2]>) {
-    let bounds = around(points.map(|point| [point; 2]));
-    let [low, high] = bounds.unwrap_or_default();
-    (Space::around(low, high), bounds)
 }

@@ -1,6 +1,7 @@
 //! Meshes where they stand, for rays.
 
 use crate::{
+    binary::around,
     mesh_rays::MeshRays,
     ray::Ray,
     space::Space,
@@ -52,7 +53,7 @@ impl SceneRays {
     pub fn new(instances: &[Instance]) -> Self {
         let found: Vec<(Placed, [Vec3; 2])> =
             instances.iter().enumerate().filter_map(|(number, instance)| placed(number as u32, instance)).collect();
-        let space = Space::of_points(found.iter().flat_map(|(_, corners)| *corners));
+        let space = Space::around(around(found.iter().map(|(_, corners)| *corners)));
         let boxes: Vec<[Vec3; 2]> =
             (found.iter()).map(|(_, corners)| corners.map(|corner| space.place(corner.as_dvec3()).as_vec3())).collect();
         let mut placed = Vec::new();

@@ -37,21 +37,12 @@ pub(crate) struct Space {
 }
 
 impl Space {
-    /// For what lies between two corners.
-    pub(crate) fn around(low: Vec3, high: Vec3) -> Self {
-        let (low, high) = (low.as_dvec3(), high.as_dvec3());
+    /// For what lies in a box, from its low to its high corner; any space serves for none.
+    pub(crate) fn around(corners: Option<[Vec3; 2]>) -> Self {
+        let [low, high] = corners.unwrap_or_default().map(Vec3::as_dvec3);
         let farthest = low.abs().max(high.abs()).max_element();
         let half = (0.5 * (high - low).max_element()).max(LEAST_EXTENT * farthest).max(SMALLEST_EXTENT);
         Self { center: origin_between(low, high), scale: half.recip().log2().floor().exp2() }
-    }
-
-    /// For points; any space serves for none.
-    pub(crate) fn of_points(points: impl Iterator<Item = Vec3>) -> Self {
-        let corners = points.fold(None, |corners: Option<(Vec3, Vec3)>, point| {
-            Some(corners.map_or((point, point), |(low, high)| (low.min(point), high.max(point))))
-        });
-        let (low, high) = corners.unwrap_or_default();
-        Self::around(low, high)
     }
 
     /// A point, placed.
@@ -126,7 +117,7 @@ mod tests {
             (Vec3::splat(-1e30), Vec3::splat(1e37)),
         ];
         for (low, high) in boxes {
-            let space = Space::around(low, high);
+            let space = Space::around(Some([low, high]));
             for i in 0..1000 {
                 let at = |k: i32| ((i * k) % 997) as f32 / 997.0;
                 let point = low + (high - low) * Vec3::new(at(1), at(37), at(101));

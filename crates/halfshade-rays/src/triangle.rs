@@ -72,7 +72,7 @@ pub(crate) fn crossing(corners: [DVec3; 3], triangle: u32, ray: &Ray, shear: &Sh
     let is_met = if facing > 0.0 {
         ahead > slack
     } else {
-        // What a ray along a curved surface entered farther back it may have left.
+        // A ray along a curved surface may have left again what it entered farther back.
         facing < 0.0 && ahead < slack && ahead < -facing * ray.reach
     };
     let [kx, ky, kz] = shear.axes;

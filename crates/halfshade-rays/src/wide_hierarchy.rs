@@ -1,7 +1,7 @@
 //! Hierarchies with eight boxes in a node, which a ray meets all at once \[Wald2008\].
 
 use crate::{
-    binary::{Binary, around},
+    binary::{Binary, around, half_area},
     ray::Ray,
     space::BOUNDING_RADIUS,
 };
@@ -264,8 +264,7 @@ impl<'a> Collapse<'a> {
         let mut primitives = vec![0; count];
         // Children come after their parents.
         for (place, node) in binary.nodes.iter().enumerate().rev() {
-            let size = node.corners[1] - node.corners[0];
-            let area = size.x * size.y + size.y * size.z + size.z * size.x;
+            let area = half_area(node.corners);
             let [left, right] = [node.first as usize, node.first as usize + 1];
             primitives[place] = if node.count > 0 { node.count as usize } else { primitives[left] + primitives[right] };
             let as_leaf = if primitives[place] <= most_in_leaf { LEAF_COST * area } else { f32::INFINITY };
@@ -307,7 +306,7 @@ impl<'a> Collapse<'a> {
         let mut found = Vec::with_capacity(8);
         let mut open = vec![(node.first as usize, first), (node.first as usize + 1, 8 - first)];
         while let Some((place, children)) = open.pop() {
-            // What more children don't make cheaper has fewer.
+            // More children that aren't cheaper are fewer.
             let children = (1..=children).rev().find(|&i| i == 1 || self.firsts[place][i - 1] > 0).unwrap_or(1);
             if children == 1 {
                 found.push(place);

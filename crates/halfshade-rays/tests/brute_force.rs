@@ -211,7 +211,7 @@ fn a_scene_answers_as_its_triangles_do() {
             );
             let place = triangles.len() * number as usize + crossing.triangle as usize;
             assert!((cramer(in_world[place], origin, direction).0 - found[0]).abs() < 1e-9 * origin.length());
-            // What doesn't count is passed.
+            // A crossing that doesn't count is passed.
             let second = scene.closest(&ray, |object, other| (object, other.triangle) != (number, crossing.triangle));
             assert_eq!(second.is_some(), found.len() > 1);
             assert!(second.is_none_or(|(_, second)| second.distance >= crossing.distance));

@@ -2,6 +2,7 @@
 //! rounding.
 
 use glam::{DVec3, Vec3};
+use halfshade_rays::origin_between;
 
 /// Largest distance of a receiver's coordinate from its surface, as a part of the coordinate: eight times half a unit
 /// in the last place. Rounding of the receiver and that of the ray's origin take one each.
@@ -28,19 +29,16 @@ pub(crate) struct TracingSpace {
 impl TracingSpace {
     /// The space around a box in world space; any space serves for an empty box.
     pub(crate) fn around(min: DVec3, max: DVec3) -> Self {
-        let (center, half) = (0.5 * (min + max), 0.5 * (max - min));
+        let half = 0.5 * (max - min);
         if !(half.is_finite() && half.min_element() >= 0.0) {
             return Self { center_in_world: DVec3::ZERO, tracing_from_world: 1.0 };
         }
-        // The difference of two numbers within a factor of two of each other is exact. The middle itself is rounded to a
-        // number like theirs.
-        let shift = |axis: usize| if center[axis].abs() >= 2.0 * half[axis] { center[axis] as f32 } else { 0.0 };
         let farthest = min.abs().max(max.abs()).max_element();
         let tracing_from_world = match half.max_element().max(LEAST_EXTENT * farthest) {
             0.0 => 1.0,
             half => half.recip().log2().floor().exp2(),
         };
-        Self { center_in_world: Vec3::from_array(std::array::from_fn(shift)).as_dvec3(), tracing_from_world }
+        Self { center_in_world: origin_between(min, max), tracing_from_world }
     }
 
     /// A point of tracing space, in the world.

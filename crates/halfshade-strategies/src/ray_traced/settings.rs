@@ -15,7 +15,7 @@ choice! {
 }
 
 choice! {
-    /// What is made of the rays of a receiver.
+    /// Use of the rays of a receiver.
     pub enum Estimator {
         /// their light, unbiased: light and visibility are estimated together
         Plain = "plain",

@@ -1,6 +1,6 @@
 //! Light times visibility, and the radiance of objects without spheres.
 
-use super::{axis_or_any, compare, direction, numbers, rows, sh_exp::Frame, single, tolerance};
+use super::{axis_or_any, compare, direction, given, numbers, rows, sh_exp::Frame, single, taken, tolerance};
 use glam::{DVec3, Vec3};
 use halfshade_gpu::{Gpu, probe::Probe};
 use halfshade_scene::light::{OctahedralGrid, cap_irradiance};
@@ -77,9 +77,7 @@ fn hold(gpu: &Arc<Gpu>, bands: usize, light: &Light, is_clamped: bool, random: &
         bands: Some(bands),
         constants: &[("IS_CLAMPED", f64::from(u8::from(is_clamped)))],
         rows: [1 + (bands * bands).div_ceil(4), 1],
-        body: "var visibility: array<vec4f, SH_PARTS>;
-            for (var k = 0u; k < SH_PARTS; k++) { visibility[k] = input[1u + k]; }
-            output[0] = vec4f(light(input[0].xyz, sh_of_parts(visibility)), 0.0);",
+        body: &format!("{} output[0] = vec4f(light(input[0].xyz, visibility), 0.0);", taken("visibility", "1u")),
         variables: &light.frame.variables(),
     }
     .call(gpu, &inputs)?;
@@ -253,18 +251,23 @@ fn surroundings(gpu: &Arc<Gpu>, bands: usize, random: &mut Pcg64Mcg) -> Result<(
                 [vec![position.extend(*object as f32).to_array()], rows(weights)].concat()
             })
             .collect();
-        let body = "var weights: array<vec4f, SH_PARTS>;
-            for (var k = 0u; k < SH_PARTS; k++) { weights[k] = input[1u + k]; }
-            let object = u32(input[0].w);
+        let body = taken("weights", "1u")
+            + "let object = u32(input[0].w);
             if (has_ground(object)) {
                 let position = input[0].xyz;
-                output[0] = vec4f(ground_radiance(object, position, sh_of_parts(weights), true), 0.0);
-                output[1] = vec4f(ground_radiance(object, position, sh_of_parts(weights), false), 0.0);
+                output[0] = vec4f(ground_radiance(object, position, weights, true), 0.0);
+                output[1] = vec4f(ground_radiance(object, position, weights, false), 0.0);
             }";
         let variables = frame.variables();
-        let found =
-            Probe { shader, bands: Some(bands), constants: &[], rows: [1 + parts, 2], body, variables: &variables }
-                .call(gpu, &inputs)?;
+        let found = Probe {
+            shader,
+            bands: Some(bands),
+            constants: &[],
+            rows: [1 + parts, 2],
+            body: &body,
+            variables: &variables,
+        }
+        .call(gpu, &inputs)?;
         let expected: Vec<f64> = (calls.iter())
             .flat_map(|(object, position, weights)| {
                 let known = objects.get(*object).map(|known| known.radiance(*position, weights));
@@ -290,10 +293,7 @@ fn visible_reflectance(gpu: &Arc<Gpu>, bands: usize, random: &mut Pcg64Mcg) -> R
         bands: Some(bands),
         constants: &[],
         rows: [1 + count.div_ceil(4), count.div_ceil(4)],
-        body: "var visibility: array<vec4f, SH_PARTS>;
-            for (var k = 0u; k < SH_PARTS; k++) { visibility[k] = input[1u + k]; }
-            let parts = sh_parts(visible_reflectance(input[0].xyz, sh_of_parts(visibility)));
-            for (var k = 0u; k < SH_PARTS; k++) { output[k] = parts[k]; }",
+        body: &(taken("visibility", "1u") + &given("visible_reflectance(input[0].xyz, visibility)", "0u")),
         variables: &frame.variables(),
     }
     .call(gpu, &inputs)?;

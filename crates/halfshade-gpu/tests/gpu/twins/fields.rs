@@ -1,9 +1,9 @@
 //! Shadow fields: places around an object, what is stored there, and how it is turned.
 
 use super::{
-    CALLS, compare, compare_in_turn, direction, numbers, rows,
-    shadow_field_world::{OBJECTS, RADII, RESOLUTIONS, SHELLS, World, corners, given, point, shares, taken, variables},
-    single, tolerance,
+    CALLS, compare, compare_in_turn, direction, given, numbers, rows,
+    shadow_field_world::{OBJECTS, RADII, RESOLUTIONS, SHELLS, World, corners, point, shares, variables},
+    single, taken, tolerance,
 };
 use glam::{DMat3, DVec3};
 use halfshade_gpu::{Gpu, probe::Probe};

@@ -144,3 +144,19 @@ fn direction(random: &mut Pcg64Mcg) -> DVec3 {
     // As the device gets it.
     DVec3::new(across * cos, across * sin, z).as_vec3().as_dvec3()
 }
+
+/// Statements that make a vector of rows of the input.
+fn taken(name: &str, first: &str) -> String {
+    format!(
+        "var {name}_parts: array<vec4f, SH_PARTS>;
+        for (var k = 0u; k < SH_PARTS; k++) {{ {name}_parts[k] = input[{first} + k]; }}
+        let {name} = sh_of_parts({name}_parts);"
+    )
+}
+
+/// Statements that write a vector into rows of the output.
+fn given(vector: &str, first: &str) -> String {
+    format!(
+        "{{ let parts = sh_parts({vector}); for (var k = 0u; k < SH_PARTS; k++) {{ output[{first} + k] = parts[k]; }} }}"
+    )
+}

@@ -1,7 +1,7 @@
 //! Radiance of spheres, and how receivers gather it.
 
 use super::{
-    compare, direction, numbers, rows,
+    compare, direction, given, numbers, rows,
     sh_exp::{Arrangement, ExactTable, Frame, RULE, Receiver, add_lobe, arrangements, seen_from, times_factors},
     tolerance,
 };
@@ -102,10 +102,12 @@ fn hold(gpu: &Arc<Gpu>, way: Way) -> Result<(), Failed> {
         bands: Some(way.bands),
         constants: &[&RULE[..], &constants].concat(),
         rows: [2, 1 + parts],
-        body: "let gathered = gather(input[0].xyz, input[1].xyz, cut_of(u32(input[0].w)));
+        body: &format!(
+            "let gathered = gather(input[0].xyz, input[1].xyz, cut_of(u32(input[0].w)));
             output[0] = vec4f(gathered.radiance, 0.0);
-            let parts = sh_parts(gathered.log_sum);
-            for (var k = 0u; k < SH_PARTS; k++) { output[1u + k] = parts[k]; }",
+            {}",
+            given("gathered.log_sum", "1u")
+        ),
         variables: &frame.variables(),
     }
     .call(gpu, &inputs)?;

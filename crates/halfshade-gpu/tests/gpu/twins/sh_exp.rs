@@ -1,6 +1,6 @@
 //! Variables that functions of `sh-exp` read, and spheres and receivers to call them with.
 
-use super::{axis_or_any, compare, direction, tolerance};
+use super::{axis_or_any, compare, direction, given, tolerance};
 use glam::{DVec3, Vec3};
 use halfshade_gpu::{
     Gpu,
@@ -206,10 +206,7 @@ impl OfCut<'_> {
         let &Self { shader, function, bands, constants } = self;
         let count = bands * bands;
         let inputs = frame.place(arrangements);
-        let body = format!(
-            "let parts = sh_parts({function}(input[0].xyz, input[1].xyz, cut_of(u32(input[0].w))));
-            for (var k = 0u; k < SH_PARTS; k++) {{ output[k] = parts[k]; }}"
-        );
+        let body = given(&format!("{function}(input[0].xyz, input[1].xyz, cut_of(u32(input[0].w)))"), "0u");
         let found = Probe {
             shader,
             bands: Some(bands),

@@ -326,19 +326,3 @@ pub(super) fn variables(buffers: &FieldBuffers) -> [Variable<'_>; 4] {
         Variable::storage(3, "tables", buffers.tables()),
     ]
 }
-
-/// Statements that make a vector of rows of the input.
-pub(super) fn taken(name: &str, first: &str) -> String {
-    format!(
-        "var {name}_parts: array<vec4f, SH_PARTS>;
-        for (var k = 0u; k < SH_PARTS; k++) {{ {name}_parts[k] = input[{first} + k]; }}
-        let {name} = sh_of_parts({name}_parts);"
-    )
-}
-
-/// Statements that write a vector into rows of the output.
-pub(super) fn given(vector: &str, first: &str) -> String {
-    format!(
-        "{{ let parts = sh_parts({vector}); for (var k = 0u; k < SH_PARTS; k++) {{ output[{first} + k] = parts[k]; }} }}"
-    )
-}

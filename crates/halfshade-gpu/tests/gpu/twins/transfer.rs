@@ -1,11 +1,11 @@
 //! Shadow fields: transfer past objects, local and distant light, glossy lobes as vectors.
 
 use super::{
-    CALLS, axis_or_any, compare, compare_in_turn, direction, numbers,
+    CALLS, axis_or_any, compare, compare_in_turn, direction, given, numbers,
     receivers::{PlacedReceiver, ReceiverBuffers, lobe_rows, weighed},
     rows,
-    shadow_field_world::{OBJECTS, World, given, point, taken, variables},
-    single, tolerance,
+    shadow_field_world::{OBJECTS, World, point, variables},
+    single, taken, tolerance,
 };
 use glam::{DVec3, Vec3};
 use halfshade_gpu::{

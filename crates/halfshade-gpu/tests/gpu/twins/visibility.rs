@@ -1,6 +1,6 @@
 //! Blocking by spheres: the tangent plane's rules, logarithms by angular radius, exponentials of their sums.
 
-use super::{CALLS, compare, direction, rows, sh_exp::Frame, single, tolerance};
+use super::{CALLS, compare, direction, given, rows, sh_exp::Frame, single, taken, tolerance};
 use glam::DVec3;
 use halfshade_gpu::{Gpu, probe::Probe};
 use halfshade_scene::spheres::{AdjustRule, COVER_HEIGHT, FADE_HEIGHT, adjust};
@@ -173,16 +173,13 @@ pub(super) fn exponential(gpu: &Arc<Gpu>) -> Result<(), Failed> {
                 ("MAX_SQUARINGS", f64::from(MAX_SQUARINGS)),
                 ("SERIES_MAGNITUDE", SERIES_MAGNITUDE),
             ];
-            let body = "var sum: array<vec4f, SH_PARTS>;
-                for (var k = 0u; k < SH_PARTS; k++) { sum[k] = input[k]; }
-                let parts = sh_parts(exponential(sh_of_parts(sum), shadow_form()));
-                for (var k = 0u; k < SH_PARTS; k++) { output[k] = parts[k]; }";
+            let body = format!("{} {}", taken("sum", "0u"), given("exponential(sum, shadow_form())", "0u"));
             let found = Probe {
                 shader: "sh_exp/exponential.wgsl",
                 bands: Some(bands),
                 constants: &constants,
                 rows: [count.div_ceil(4); 2],
-                body,
+                body: &body,
                 variables: &frame.variables(),
             }
             .call(gpu, &inputs)?;
