@@ -74,7 +74,8 @@ mod prepare;
 mod settings;
 mod shade;
 
-use bake::{blockers::Blockers, environment::FittedEnvironment, tables::Tables};
+use crate::shared::blockers::Blockers;
+use bake::{environment::FittedEnvironment, tables::Tables};
 use halfshade_scene::{Frame, Progress, Scene};
 use halfshade_strategy::{Baked, Detail, Effect, Effects, Footprint, Info, Params, Prepared, Strategy, StrategyError};
 use kernel::sampled::Sampler;

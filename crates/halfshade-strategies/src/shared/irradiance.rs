@@ -59,7 +59,8 @@ impl Irradiance {
         size_of_val(self.table.as_slice())
     }
 
-    fn at(&self, normal: Vec3) -> Vec3 {
+    /// Irradiance at unit `normal` in the environment's space.
+    pub(crate) fn at(&self, normal: Vec3) -> Vec3 {
         match &self.base {
             DistantLight::Constant(radiance) => PI * *radiance,
             DistantLight::Map(_) => {

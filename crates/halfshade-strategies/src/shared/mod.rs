@@ -2,8 +2,13 @@
 //! without rays.
 
 pub(crate) mod adjustment;
+pub(crate) mod blockers;
+pub(crate) mod divided_light;
 pub(crate) mod irradiance;
+pub(crate) mod lamps;
+pub(crate) mod light_space;
 pub(crate) mod origin;
+pub(crate) mod placed_lamps;
 pub(crate) mod placed_spheres;
 pub mod projected_light;
 pub(crate) mod tangent_plane;

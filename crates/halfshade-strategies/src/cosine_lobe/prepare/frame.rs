@@ -3,10 +3,10 @@
 use super::{light::Light, surroundings::Surroundings};
 use crate::{
     cosine_lobe::{
-        bake::{blockers::Blockers, environment::FittedEnvironment},
+        bake::environment::FittedEnvironment,
         kernel::spheres::{BoundingSphere, Spheres},
     },
-    shared::origin::origin_of,
+    shared::{blockers::Blockers, origin::origin_of},
 };
 use glam::{DVec3, Vec3};
 use halfshade_scene::{EyeLobes, Frame};

@@ -1,16 +1,18 @@
 //! Environments as lobes and cells, beyond \[Meunier2009\], which has spherical lights only.
 //!
 //! A constant and lobes are fitted to the environment once (`halfshade_sh::lobe::LobeSum`); a sun stays a light of its own,
-//! and so do small bright parts of a map (`lamps.rs`). The cells of two squares over both hemispheres have the light that
+//! and so do small bright parts of a map (`shared/lamps.rs`). The cells of two squares over both hemispheres have the light that
 //! all lobes together have there (`cells.rs`). They turn with the environment, so that light is gathered once; a frame turns
 //! directions alone.
 
 pub(crate) mod cells;
-mod lamps;
 
-use crate::cosine_lobe::{
-    kernel::environment::{Cells8, Lobes8},
-    settings::Settings,
+use crate::{
+    cosine_lobe::{
+        kernel::environment::{Cells8, Lobes8},
+        settings::Settings,
+    },
+    shared::lamps,
 };
 use glam::Vec3;
 use halfshade_scene::{

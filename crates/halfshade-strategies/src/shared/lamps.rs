@@ -1,6 +1,6 @@
 //! Small bright parts of a map, such as the sun in a captured sky: lights of their own, infinitely far away.
 //!
-//! A map's lobes and cells are 5.6 degrees wide, and would smear the shadow of anything smaller. Light that stands out of its
+//! Whoever knows a map by a few lobes, cells or directions smears the shadow of anything smaller than those. Light that stands out of its
 //! surroundings within [`REACH`] of the brightest texel becomes a cap of the same flux and middle, of constant radiance, with the
 //! solid angle `(∫ L dω)²/∫ L² dω`, which for a cap is its own. It is taken out of the map if it is small and has a share of the
 //! map's light that is worth a mask; and so on with what is left.
@@ -12,10 +12,11 @@ use std::f64::consts::{PI, TAU};
 /// How far from its middle a lamp reaches, in radians: its surroundings reach twice as far.
 const REACH: f64 = 0.07;
 
-/// Half a cell of the lobes' grid: a lamp of a larger angular radius is left to lobes.
+/// Largest angular radius of a lamp: half a cell of the grid of lobes, and a part of a direction's cell of a mask, either of
+/// which has room for what is wider.
 const LARGEST: f64 = 0.049;
 
-/// Share of the map's flux: lamps with less are left to lobes.
+/// Share of the map's flux: lamps with less stay in the map.
 const LEAST_SHARE: f64 = 0.02;
 
 /// At most `count` lamps of a map, and what is left of its texels.
