@@ -1,7 +1,7 @@
 //! The only list of strategies.
 
 use halfshade_scene::Cache;
-use halfshade_strategies::{CosineLobe, RayTraced, ShExp, ShadowField, Unshadowed};
+use halfshade_strategies::{Analytic, CosineLobe, Mask, RayTraced, ShExp, ShadowField, Unshadowed};
 use halfshade_strategy::Strategy;
 
 /// Every strategy there is. `cache` is for what they bake.
@@ -12,6 +12,8 @@ pub fn strategies(cache: &Cache) -> Vec<Box<dyn Strategy>> {
         Box::new(ShExp),
         Box::new(ShadowField::new(cache.clone())),
         Box::new(CosineLobe),
+        Box::new(Mask),
+        Box::new(Analytic),
     ]
 }
 

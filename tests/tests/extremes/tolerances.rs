@@ -36,6 +36,8 @@ pub(crate) fn of(subject: &Subject<'_>, drawn: &Drawn) -> Tolerances {
         "sh-exp" => sh_exp(p, drawn),
         "shadow-field" => shadow_field(p, drawn),
         "cosine-lobe" => cosine_lobe(p),
+        "mask" => mask(),
+        "analytic" => analytic(drawn),
         other => panic!("what `{other}` promises isn't known here"),
     }
 }
@@ -186,6 +188,36 @@ fn cosine_lobe(p: &Params) -> Tolerances {
             () if cells => Err("a cell is covered or not"),
             () if p.number("threshold") > 0.001 => Err("a product is left out or not"),
             () if p.word("rule") == "published" => Err(CENTRES),
+            () => Ok(0.05),
+        },
+    }
+}
+
+fn mask() -> Tolerances {
+    Tolerances {
+        below: Ok(0.0),
+        // What is known of a map without its lamps and of the lamps, instead of the whole.
+        above: Ok(0.02),
+        rings: None,
+        scaled: EXACT,
+        turned: Err("directions don't turn with the scene"),
+        linear: EXACT,
+        brightened: Ok(1e-3),
+        jump: Err("receivers whose normals are nearer to another node look into other directions"),
+    }
+}
+
+fn analytic(drawn: &Drawn) -> Tolerances {
+    Tolerances {
+        below: Ok(0.0),
+        above: Ok(0.02),
+        rings: None,
+        scaled: EXACT,
+        turned: Ok(0.02),
+        linear: EXACT,
+        brightened: Ok(1e-3),
+        jump: match () {
+            () if !drawn.scene.lights.is_empty() => Err("a sphere is before a lamp or behind it, as its centre is"),
             () => Ok(0.05),
         },
     }

@@ -4,7 +4,7 @@
 mod cached_fields;
 
 use cached_fields::shadow_fields;
-use halfshade_strategies::{CosineLobe, RayTraced, ShExp, ShadowField, Unshadowed};
+use halfshade_strategies::{Analytic, CosineLobe, Mask, RayTraced, ShExp, ShadowField, Unshadowed};
 use halfshade_strategy::{
     Strategy,
     contract::{self, Bounds},
@@ -128,3 +128,18 @@ contract_tests!(
     "order=published,leaves=conservative,weights=solid-angle,fit=scaled-solid-angle",
     WIDE_LOBES
 );
+
+/// Directions don't turn with the scene, and few of them are told from their neighbours by a cap's edge.
+const DIRECTIONS: Bounds = Bounds { constant: 1e-5, quadrature: 0.01, gloss: 0.15, rotation: 0.15, brightening: 1e-5 };
+
+contract_tests!(mask, Mask, "", DIRECTIONS);
+contract_tests!(mask_of_bits, Mask, "bits,normals=2,own=spheres", Bounds { rotation: 0.3, ..DIRECTIONS });
+contract_tests!(mask_of_one_set, Mask, "directions=256,normals=0,rule=covering", DIRECTIONS);
+contract_tests!(mask_of_many, Mask, "fine", Bounds { rotation: 0.06, ..DIRECTIONS });
+
+/// Closed forms turn with the scene; the table over normals doesn't.
+const CLOSED_FORMS: Bounds =
+    Bounds { constant: 1e-5, quadrature: 0.01, gloss: 0.01, rotation: 0.005, brightening: 1e-5 };
+
+contract_tests!(analytic, Analytic, "", CLOSED_FORMS);
+contract_tests!(analytic_with_own_spheres, Analytic, "own=spheres", CLOSED_FORMS);

@@ -1,0 +1,185 @@
+//! Directions that blockers close one after another: no harmonics, and no error but that of visibility.
+//!
+//! K directions ω_k are drawn from light times cosine, once for each node of a grid over normals and for as long as the light
+//! stays the same. Every sphere is a cap of angular radius θ before a receiver and closes the directions within it; so do the
+//! receiver's own mesh and boxes. Of the light E that arrives unshadowed, which is known, what is left is the part
+//!
+//! ```text
+//! L = albedo/π · E · Σ_k v_k w_k max(n·ω_k, 0) / Σ_k w_k max(n·ω_k, 0)
+//! ```
+//!
+//! with w_k the light of the cell around ω_k and v_k in [0, 1] the part of the cell that is open, by channel. Lamps (spherical
+//! lights, the sun, small bright parts of a map) are apart: each is looked into in directions of its own, as many for all of them
+//! together as for the rest, and only by spheres that may be before it.
+//!
+//! **Edges.** A direction stands for a cell of all directions. `edge=0` leaves it open or closes it, which makes v a mask of bits; by
+//! default an edge that crosses the cell closes a part of it, see `kernel/directions.rs`, and spheres that are smaller than the
+//! cell close the part that they cover. It takes half of the error away at a fifth more time. Cells that several edges cross are
+//! closed as if those were independent.
+//!
+//! **Directions** are the same for all receivers of about the same normal: there is no noise, and what one receiver misses its
+//! neighbour misses too. Where neighbours lie nearer to another node, a step shows that is as large as the error. A
+//! set for each node errs half as much as one set for all (`normals=0`), of whose directions half lie below the horizon.
+//!
+//! **Arithmetic, no table.** A cap closes eight directions by three products, a comparison with its edge and a product with what was
+//! open. A table of the closed directions by axis and radius needs a tenth of the operations, but a table per set of directions that no cache
+//! holds, and has neither edges nor lamps.
+//!
+//! **Own object.** `own=baked` traces once what each mesh hides from its vertices (`kernel/own.rs`), which is interpolated between them,
+//! and leaves the object's own spheres out. Objects that deform, and receivers that lie nowhere on a mesh or are seen from
+//! behind, fall back on the spheres.
+//!
+//! **Ground.** Objects without spheres hide light from others if they are boxes or rectangles; any other is seen by itself alone.
+//!
+//! **Bounds.** Radiance lies between 0 and what arrives unshadowed, by its form; a blocker more never brightens.
+//!
+//! **Limits.** Directions are few: a lamp's penumbra has as many steps as it is looked into. Spheres that cut the receiver's tangent
+//! plane follow the rules of [Guerrero2007, 4.2].
+
+pub mod arrays;
+mod bake;
+mod kernel;
+mod prepare;
+mod settings;
+mod shade;
+
+use crate::shared::{blockers::Blockers, divided_light::DividedLight};
+use bake::{
+    boxes::{SolidBox, solid_box},
+    directions::{DirectionSets, Drawing},
+    own::{OwnMesh, own_meshes},
+};
+use halfshade_scene::{Frame, Progress, Scene};
+use halfshade_strategy::{Baked, Effect, Effects, Footprint, Info, Params, Prepared, Strategy, StrategyError};
+use kernel::lamp::Spiral;
+use prepare::frame::FrameData;
+use settings::{Own, PRESETS, Settings};
+use shade::Shader;
+use std::sync::Arc;
+
+/// The strategy.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Mask;
+
+/// Least width of an edge, in radii of a direction's cell: nothing is infinite.
+const LEAST_EDGE: f32 = 1e-4;
+
+/// Fewest directions into a lamp.
+const FEWEST_PER_LAMP: usize = 16;
+
+/// Tables of the scene, and data of the last frame.
+#[derive(Debug)]
+pub struct BakedScene {
+    settings: Settings,
+    drawing: Drawing,
+    light: DividedLight,
+    sets: DirectionSets,
+    spiral: Spiral,
+    own: Vec<Option<Arc<OwnMesh>>>,
+    boxes: Vec<Option<SolidBox>>,
+    blockers: Blockers,
+    frame: FrameData,
+    /// How often the light has become another one.
+    light_changes: u32,
+}
+
+impl Strategy for Mask {
+    fn info(&self) -> Info {
+        Info {
+            name: "mask",
+            summary: "a few directions drawn from the light, closed by every sphere's cap; no harmonics",
+            source: "[Debevec2005]",
+            parameters: Settings::parameters(),
+            presets: PRESETS,
+            effects: Effects::of(&Effect::DIRECT),
+        }
+    }
+
+    fn bake(&self, scene: &Scene, params: &Params, progress: &dyn Progress) -> Result<Box<dyn Baked>, StrategyError> {
+        Ok(Box::new(Self::bake_scene(scene, params, progress)))
+    }
+}
+
+impl Mask {
+    /// [`Strategy::bake`], for who reads the arrays of its frames.
+    pub fn bake_scene(scene: &Scene, params: &Params, progress: &dyn Progress) -> BakedScene {
+        BakedScene::new(scene, params, progress)
+    }
+}
+
+impl BakedScene {
+    fn new(scene: &Scene, params: &Params, progress: &dyn Progress) -> Self {
+        let settings = Settings::read(params);
+        let edge = settings.edge.max(LEAST_EDGE);
+        let drawing = Drawing { count: settings.directions, normals: settings.normals, edge };
+        let light = DividedLight::new(&scene.environment.base, settings.environment_lamps);
+        let own = match settings.own {
+            Own::Baked => own_meshes(scene, settings.own_cells, progress),
+            Own::Spheres => Vec::new(),
+        };
+        Self {
+            sets: DirectionSets::new(&light.rest.base, &drawing),
+            drawing,
+            light,
+            spiral: Spiral::new(settings.directions),
+            own,
+            boxes: scene.objects.iter().map(solid_box).collect(),
+            blockers: Blockers::new(scene),
+            settings,
+            frame: FrameData::default(),
+            light_changes: 0,
+        }
+    }
+
+    /// Brings everything up to a frame.
+    fn prepare_frame(&mut self, frame: &Frame<'_>) -> Result<(), StrategyError> {
+        if frame.scene.objects.len() != self.blockers.object_count() {
+            return Err(StrategyError::Failed("the frame is of another scene than was baked".into()));
+        }
+        if self.light.set(&frame.scene.environment.base) {
+            self.sets = DirectionSets::new(&self.light.rest.base, &self.drawing);
+            self.light_changes += 1;
+        }
+        self.frame = FrameData::new(frame, &self.blockers, &self.boxes, &self.light);
+        let count = self.per_lamp(self.frame.lamps.len());
+        if self.spiral.count != count {
+            self.spiral = Spiral::new(count);
+        }
+        Ok(())
+    }
+
+    /// Directions into each of so many lamps.
+    fn per_lamp(&self, lamps: usize) -> usize {
+        (self.settings.directions / lamps.max(1)).max(FEWEST_PER_LAMP)
+    }
+}
+
+impl Baked for BakedScene {
+    fn footprint(&self) -> Footprint {
+        let mut meshes: Vec<&Arc<OwnMesh>> = self.own.iter().flatten().collect();
+        meshes.sort_unstable_by_key(|own| Arc::as_ptr(own));
+        meshes.dedup_by(|a, b| Arc::ptr_eq(a, b));
+        Footprint {
+            parts: vec![
+                ("directions", self.sets.bytes()),
+                ("irradiance over normals", self.light.bytes()),
+                ("own visibility", meshes.iter().map(|own| size_of_val(own.cells.words.as_slice())).sum()),
+                ("spheres, boxes and lamps", self.frame.bytes()),
+                ("bindings", self.blockers.bytes()),
+            ],
+        }
+    }
+
+    fn prepare(&mut self, frame: &Frame<'_>) -> Result<Box<dyn Prepared + '_>, StrategyError> {
+        self.prepare_frame(frame)?;
+        Ok(Box::new(Shader {
+            frame: &self.frame,
+            sets: &self.sets,
+            spiral: &self.spiral,
+            own: &self.own,
+            rest: &self.light.rest,
+            rule: self.settings.rule.into(),
+            edge: self.drawing.edge,
+        }))
+    }
+}

@@ -1,0 +1,42 @@
+//! All that shading reads.
+
+use crate::{
+    mask::{
+        bake::{directions::DirectionSets, own::OwnMesh},
+        kernel::{lamp::Spiral, own::OwnView},
+        prepare::frame::FrameData,
+    },
+    shared::irradiance::Irradiance,
+};
+use halfshade_scene::{Receivers, spheres::AdjustRule};
+use std::sync::Arc;
+
+/// A frame ready to be shaded.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Shader<'a> {
+    pub(crate) frame: &'a FrameData,
+    pub(crate) sets: &'a DirectionSets,
+    /// Places on each lamp.
+    pub(crate) spiral: &'a Spiral,
+    /// What each object's mesh hides from itself, if that is known.
+    pub(crate) own: &'a [Option<Arc<OwnMesh>>],
+    /// Irradiance of everything but lamps.
+    pub(crate) rest: &'a Irradiance,
+    pub(crate) rule: AdjustRule,
+    /// Width of an edge in radii of a direction's cell.
+    pub(crate) edge: f32,
+}
+
+impl Shader<'_> {
+    /// What a receiver's own object hides, if that is known of the place where it lies.
+    pub(super) fn own_view(&self, receivers: &Receivers<'_>, i: usize) -> Option<OwnView<'_>> {
+        let object = receivers.object[i] as usize;
+        let own = self.own.get(object)?.as_ref()?;
+        let weights = receivers.surface[i].weights_in_front(&own.mesh)?;
+        let mut vertices = [(0, 0.0); 3];
+        for (place, (vertex, weight)) in vertices.iter_mut().zip(weights.parts()) {
+            *place = (vertex as u32, weight);
+        }
+        Some(OwnView { cells: &own.cells, vertices, object_from_light: *self.frame.object_from_light.get(object)? })
+    }
+}
