@@ -51,11 +51,23 @@ struct Frame {
     fan: u32,
     // Rows of the rotation into the space in which points of exposed shares are fixed.
     share_space: array<vec4f, 3>,
+    // The row of `tables` at which rows of receivers begin that know their own object's occlusion.
+    own_receivers: u32,
+    // Place in `numbers` of the rotations of objects, and of their spheres.
+    own_rotations: u32,
+    own_spheres: u32,
+    // Place in `numbers` of the lamps: direction or centre, sine of the angular radius or radius, radiance, 1 if it is distant.
+    lamps: u32,
+    // The row of `tables` at which turns of a lamp's points begin: cosines of four, their sines, and so on.
+    spiral: u32,
+    // The row of `tables` at which mean normals of spheres begin.
+    mean_normals: u32,
+    padding: vec2u,
 }
 
 @group(1) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(1) var<storage, read> blockers: array<Blocker>;
-// Four counts, then first blocker and number of blockers, by group of receivers; then masks, see `is_skipped`. Counts aren't in
+// Eight counts, then first blocker and number of blockers, by group of receivers; then masks, see `is_skipped`. Counts aren't in
 // `frame`: Mesa's driver in software compiles numbers of a uniform that decide branches into the kernel, with every dispatch.
 @group(1) @binding(2) var<storage, read> numbers: array<u32>;
 // Blockers by angular radius from row 0 on, and the tables that `frame` tells of.
@@ -63,16 +75,27 @@ struct Frame {
 // Radiance of every sphere, channel by channel in rows of four; then the surroundings of objects, see `ground_radiance`.
 @group(1) @binding(4) var<storage, read> radiating: array<vec4f>;
 
-// Blockers that a group of receivers sees.
+// Whether meshes tell what objects hide from themselves.
+override OWN_IS_BAKED: bool = false;
+
+// Blockers that a group of receivers sees, and the spheres of their own object if they don't hide the environment: the first
+// of its numbers, and how many.
 struct Cut {
     first: u32,
     end: u32,
+    own_first: u32,
+    own_count: u32,
 }
 
 fn cut_of(group: u32) -> Cut {
-    let place = 4u + 2u * group;
+    let place = 8u + 2u * group;
     let first = numbers[place];
-    return Cut(first, first + numbers[place + 1u]);
+    return Cut(first, first + numbers[place + 1u], 0u, 0u);
+}
+
+// Whether a blocker of a cut hides the environment.
+fn hides(blocker: Blocker, cut: Cut) -> bool {
+    return !OWN_IS_BAKED || (blocker.emitter - cut.own_first >= cut.own_count);
 }
 
 // Channels of light by normal; 0 of constant light.
@@ -92,4 +115,8 @@ fn ground_rows() -> u32 {
 
 fn has_sun() -> bool {
     return numbers[3] != 0u;
+}
+
+fn lamp_count() -> u32 {
+    return numbers[4];
 }

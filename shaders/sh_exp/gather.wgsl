@@ -2,6 +2,7 @@
 //
 // The processor sorts the spheres of eight receivers and keeps the order for the next eight. Here nothing is kept: the eight
 // nearest spheres that haven't been walked yet are found by going through all, n/8 times.
+#import "common/constants.wgsl"
 #import "sh_exp/blocker.wgsl"
 #import "sh_exp/exponential.wgsl"
 #import "sh_exp/ground.wgsl"
@@ -14,12 +15,15 @@ override IS_PRECOMPUTED: bool = false;
 override IS_QUADRATIC: bool = false;
 // Intervals of the form factors by sine.
 override FORM_INTERVALS: f32 = 256.0;
+// Whether the average over a sphere knows the receiver, and cells along each axis of the table of mean normals.
+override KNOWS_RECEIVER: bool = false;
+override MEAN_CELLS: f32 = 32.0;
 
 const NONE = 0xffffffffu;
-const FARTHEST = 3.4e38f;
 
 struct Gathered {
     radiance: vec3f,
+    // Σ log B_i of those that hide the environment.
     log_sum: Sh,
 }
 
@@ -69,17 +73,63 @@ fn inserted(list: Nearest, key: f32, place: u32) -> Nearest {
     );
 }
 
-// Radiance that a sphere sends to a receiver that sees it like this: L̃ [Guerrero2007, eq. 4.25].
-fn radiated(blocker: Blocker, basis: Sh, sine: f32) -> vec3f {
+// Form factors of a sphere by its sine, by bands from the lowest.
+fn form_factors(sine: f32) -> array<vec4f, 2> {
     let at = clamp(sine, 0.0, 1.0) * FORM_INTERVALS;
     let interval = min(floor(at), FORM_INTERVALS - 1.0);
     let t = at - interval;
     let row = frame.form_table + 2u * u32(interval);
-    // From the sphere to the receiver: the opposite direction turns the sign of odd bands.
-    let signs = vec4f(1.0, -1.0, 1.0, -1.0);
-    let low = ((tables[row + 2u] - tables[row]) * t + tables[row]) * signs;
-    let high = ((tables[row + 3u] - tables[row + 1u]) * t + tables[row + 1u]) * signs;
-    let weights = sh_times_bands(basis, sh_bands(low, high));
+    return array<vec4f, 2>(
+        (tables[row + 2u] - tables[row]) * t + tables[row],
+        (tables[row + 3u] - tables[row + 1u]) * t + tables[row + 1u],
+    );
+}
+
+// A node of the table of mean normals: two in a row.
+fn mean_normal_node(number: u32) -> vec2f {
+    let row = tables[frame.mean_normals + number / 2u];
+    return select(row.xy, row.zw, number % 2u == 1u);
+}
+
+// Parts of the mean normal along the direction to a sphere and at a right angle to that: twin of
+// `halfshade_sh::mean_normal::MeanNormalTable::lookup`.
+fn mean_normal(sine: f32, cosine: f32) -> vec2f {
+    let s = clamp(sine, 0.0, 1.0);
+    let at = vec2f(s, clamp((cosine + s) / (1.0 + s), 0.0, 1.0)) * MEAN_CELLS;
+    let cell = min(floor(at), vec2f(MEAN_CELLS - 1.0));
+    let t = at - cell;
+    let side = u32(MEAN_CELLS) + 1u;
+    let first = u32(cell.x) * side + u32(cell.y);
+    let near = mix(mean_normal_node(first), mean_normal_node(first + 1u), t.y);
+    let far = mix(mean_normal_node(first + side), mean_normal_node(first + side + 1u), t.y);
+    return mix(near, far, t.x);
+}
+
+// Weights of a sphere's radiance in its average over what a receiver sees of it.
+fn average_weights(blocker: Blocker, basis: Sh, sine: f32, position: vec3f, normal: vec3f) -> Sh {
+    if (!KNOWS_RECEIVER) {
+        let form = form_factors(sine);
+        // From the sphere to the receiver: the opposite direction turns the sign of odd bands.
+        let signs = vec4f(1.0, -1.0, 1.0, -1.0);
+        return sh_times_bands(basis, sh_bands(form[0] * signs, form[1] * signs));
+    }
+    let offset = blocker.center - position;
+    let per_distance = 1.0 / sqrt(max(dot(offset, offset), SMALLEST));
+    let direction = offset * per_distance;
+    let of_sphere = min(blocker.radius * per_distance, 1.0);
+    let cosine = dot(direction, normal);
+    let parts = mean_normal(of_sphere, cosine);
+    let of_normal = parts.y / sqrt(max(1.0 - cosine * cosine, 1e-12));
+    let mean = direction * (parts.x - of_normal * cosine) + normal * of_normal;
+    let size = sqrt(max(dot(mean, mean), SMALLEST));
+    let form = form_factors(of_sphere);
+    let scale = size / max(form[0].y, 0.5);
+    return sh_times_bands(sh_basis(mean / size), sh_bands(form[0] * vec4f(1.0, vec3f(scale)), form[1] * scale));
+}
+
+// Radiance that a sphere sends to a receiver that sees it like this: L̃ [Guerrero2007, eq. 4.25].
+fn radiated(blocker: Blocker, basis: Sh, sine: f32, position: vec3f, normal: vec3f) -> vec3f {
+    let weights = average_weights(blocker, basis, sine, position, normal);
     var radiance = vec3f(0.0);
     for (var channel = 0u; channel < radiance_channels(); channel++) {
         let first = (blocker.emitter * radiance_channels() + channel) * SH_PARTS;
@@ -125,7 +175,8 @@ fn gather(position: vec3f, normal: vec3f, cut: Cut) -> Gathered {
     let brdf = reflectance(normal);
     let form = reflection_form();
     var gathered = Gathered(vec3f(0.0), Sh());
-    // Light that the spheres so far have left.
+    // Of all spheres so far, and the light that they have left.
+    var sum = Sh();
     var left = brdf.h0 * SQRT_4PI;
     var key = -FARTHEST;
     var place = NONE;
@@ -142,6 +193,7 @@ fn gather(position: vec3f, normal: vec3f, cut: Cut) -> Gathered {
                 place = select(next.low_places, next.high_places, k >= 4u)[k & 3u];
             }
             if (place == NONE) {
+                gathered.log_sum = hiding(gathered.log_sum, sum);
                 return gathered;
             }
             let blocker = blockers[place];
@@ -151,10 +203,13 @@ fn gather(position: vec3f, normal: vec3f, cut: Cut) -> Gathered {
             }
             let basis = sh_basis(seen.direction);
             let log = sh_times_bands(basis, zonal_log(blocker, seen.sin_squared, frame.log_table));
-            let radiance = radiated(blocker, basis, sqrt(seen.sin_squared));
+            let radiance = radiated(blocker, basis, sqrt(seen.sin_squared), position, normal);
+            if (OWN_IS_BAKED && hides(blocker, cut)) {
+                gathered.log_sum = sh_plus(gathered.log_sum, log);
+            }
             if (IS_PRECOMPUTED || IS_QUADRATIC) {
                 if (any(radiance != vec3f(0.0))) {
-                    var before = gathered.log_sum;
+                    var before = sum;
                     if (IS_QUADRATIC) {
                         before = sum_of_nearer(place, position, normal, cut, false);
                     } else {
@@ -163,14 +218,23 @@ fn gather(position: vec3f, normal: vec3f, cut: Cut) -> Gathered {
                     let visible = exponential_dot(before, brdf, form) - exponential_dot(sh_plus(before, log), brdf, form);
                     gathered.radiance += radiance * visible;
                 }
-                gathered.log_sum = sh_plus(gathered.log_sum, log);
+                sum = sh_plus(sum, log);
             } else {
-                gathered.log_sum = sh_plus(gathered.log_sum, log);
-                let after = exponential_dot(gathered.log_sum, brdf, form);
+                sum = sh_plus(sum, log);
+                let after = exponential_dot(sum, brdf, form);
                 gathered.radiance += radiance * (left - after);
                 left = after;
             }
         }
     }
+    gathered.log_sum = hiding(gathered.log_sum, sum);
     return gathered;
+}
+
+// The sum over those that hide the environment, which are all unless meshes tell what objects hide from themselves.
+fn hiding(of_hiding: Sh, of_all: Sh) -> Sh {
+    if (OWN_IS_BAKED) {
+        return of_hiding;
+    }
+    return of_all;
 }

@@ -7,7 +7,7 @@ fn product_of_blockers(position: vec3f, normal: vec3f, cut: Cut) -> Sh {
     var h = Sh();
     for (var i = cut.first; i < cut.end; i++) {
         let seen = seen_from(blockers[i], position, normal);
-        if (seen.sin_squared > 0.0) {
+        if (seen.sin_squared > 0.0 && hides(blockers[i], cut)) {
             // Factors are those of logarithms.
             let one = vec4f(1.0);
             let minus_cap = sh_add_lobe(seen.direction, zonal(seen.sin_squared, 0u, one, one), Sh());

@@ -3,8 +3,10 @@
 #import "sh_exp/exponential.wgsl"
 #import "sh_exp/gather.wgsl"
 #import "sh_exp/ground.wgsl"
+#import "sh_exp/lamps.wgsl"
 #import "sh_exp/light.wgsl"
 #import "sh_exp/log_sum.wgsl"
+#import "sh_exp/own.wgsl"
 #import "sh_exp/product.wgsl"
 #import "sh_exp/shares.wgsl"
 
@@ -24,7 +26,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
         return;
     }
     let receiver = receiver_at(number);
-    let cut = cut_of(receiver.group);
+    let cut = cut_of_receiver(receiver);
     var gathered = Gathered(vec3f(0.0), Sh());
     if (REFLECTS) {
         gathered = gather(receiver.position, receiver.normal, cut);
@@ -39,10 +41,12 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     } else {
         visibility = exponential(gathered.log_sum, shadow_form());
     }
+    visibility = past_own(receiver, visibility);
     var radiance = light(receiver.normal, visibility);
     if (has_ground(receiver.object)) {
         radiance = with_ground(receiver, visibility, radiance);
     }
+    radiance += lamp_light(receiver, cut);
     reflect(number, radiance + select(gathered.radiance, max(gathered.radiance, vec3f(0.0)), IS_CLAMPED));
 }
 

@@ -74,7 +74,7 @@ fn exposed_share(place: u32, cap: Cap, position: vec3f, normal: vec3f, cut: Cut)
         var high_count = vec4f(1.0);
         for (var i = cut.first; i < cut.end; i++) {
             let seen = seen_from(blockers[i], position, normal);
-            if (i != place && seen.sin_squared > 0.0) {
+            if (i != place && seen.sin_squared > 0.0 && hides(blockers[i], cut)) {
                 let other = cap_of(seen);
                 // The cap that a point stands for, or the other cap if that is larger.
                 let inverse = min(1.0 / max(other.versine, 1e-30), of_point);
@@ -94,7 +94,7 @@ fn shares_of_blockers(position: vec3f, normal: vec3f, cut: Cut) -> Sh {
     var h = Sh();
     for (var i = cut.first; i < cut.end; i++) {
         let seen = seen_from(blockers[i], position, normal);
-        if (seen.sin_squared > 0.0) {
+        if (seen.sin_squared > 0.0 && hides(blockers[i], cut)) {
             let share = vec4f(exposed_share(i, cap_of(seen), position, normal, cut));
             h = sh_add_lobe(seen.direction, zonal(seen.sin_squared, 0u, share, share), h);
         }

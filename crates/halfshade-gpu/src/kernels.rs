@@ -166,6 +166,12 @@ pub const SH_EXP: Kernel = Kernel {
         },
         NEAR_ZERO,
         Twin {
+            shader: "sh_exp/own.wgsl",
+            cpu: "halfshade_strategies::sh_exp::kernel::own",
+            tolerance: 1e-5,
+            reason: "rounding of a rotation and a product",
+        },
+        Twin {
             shader: "sh_exp/product.wgsl",
             cpu: "halfshade_strategies::sh_exp::kernel::product",
             tolerance: 1e-5,
@@ -176,6 +182,12 @@ pub const SH_EXP: Kernel = Kernel {
             cpu: "halfshade_strategies::sh_exp::kernel::shares",
             tolerance: 2e-5,
             reason: "differences of unit directions, in units of the smallest cap",
+        },
+        Twin {
+            shader: "sh_exp/lamps.wgsl",
+            cpu: "halfshade_strategies::sh_exp::kernel::lamps",
+            tolerance: 1e-3,
+            reason: "differences of unit directions, in units of the distance of a small lamp's points",
         },
         Twin {
             shader: "sh_exp/light.wgsl",
@@ -240,7 +252,7 @@ pub const SHADOW_FIELD: Kernel = Kernel {
         },
         Twin {
             shader: "shadow_field/rotate.wgsl",
-            cpu: "halfshade_strategies::shadow_field::kernel::rotate",
+            cpu: "halfshade_strategies::shared::rotate",
             tolerance: 1e-6,
             reason: "rounding of eleven products",
         },

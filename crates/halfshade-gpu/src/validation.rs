@@ -120,6 +120,13 @@ fn structs_lie_in_rust_as_in_wgsl() {
         offset_of!(Frame, ground),
         offset_of!(Frame, fan),
         offset_of!(Frame, share_space),
+        offset_of!(Frame, own_receivers),
+        offset_of!(Frame, own_rotations),
+        offset_of!(Frame, own_spheres),
+        offset_of!(Frame, lamps),
+        offset_of!(Frame, spiral),
+        offset_of!(Frame, mean_normals),
+        offset_of!(Frame, padding),
     ];
     let cosines = [cosine, cosine + 16, reflectance, reflectance + 16];
     assert_eq!(layout(&module, "Frame"), (size_of::<Frame>(), [&cosines[..], &others[..]].concat()));

@@ -28,6 +28,7 @@ pub mod kernel;
 pub mod lat_long;
 pub mod lobe;
 pub mod logarithm;
+pub mod mean_normal;
 pub mod optimal_linear;
 pub mod product;
 pub mod quadrature;

@@ -7,6 +7,7 @@ use halfshade_sh::{
     exponential::{MAX_SQUARINGS, SERIES_MAGNITUDE},
     form_factor,
     kernel::BatchExponential,
+    mean_normal,
     wgsl::MAX_WGSL_BANDS,
 };
 use halfshade_strategies::sh_exp::arrays::{CombinationArrays, SceneArrays};
@@ -33,6 +34,8 @@ pub(super) fn constants(arrays: &SceneArrays<'_>) -> [Constants; 2] {
         ("RULE", rule),
         ("FULL_HEIGHT", full_height),
         ("IS_CLAMPED", flag(arrays.clamp)),
+        ("OWN_IS_BAKED", flag(arrays.own.is_some())),
+        ("OWN_CELLS", arrays.own.map_or(1.0, |own| own.grid().cells() as f64)),
         ("INTERVALS", blocker_table::INTERVALS as f64),
         ("MAX_SQUARINGS", f64::from(MAX_SQUARINGS)),
         ("SERIES_MAGNITUDE", SERIES_MAGNITUDE),
@@ -68,6 +71,8 @@ pub(super) fn constants(arrays: &SceneArrays<'_>) -> [Constants; 2] {
             ("IS_PRECOMPUTED", flag(reflections.is_precomputed)),
             ("IS_QUADRATIC", flag(reflections.is_quadratic)),
             ("FORM_INTERVALS", form_factor::INTERVALS as f64),
+            ("KNOWS_RECEIVER", flag(reflections.mean_normal.is_some())),
+            ("MEAN_CELLS", mean_normal::CELLS as f64),
         ]);
     }
     [lit, dark]

@@ -62,6 +62,8 @@ pub(super) struct Kernels<'a> {
     pub(super) bands: usize,
     pub(super) dark: &'a [(&'static str, f64)],
     pub(super) lit: &'a [(&'static str, f64)],
+    /// Whether sample points find their cut, and own occlusion, in rows of two.
+    pub(super) knows_own: bool,
 }
 
 impl DeviceFirstPass {
@@ -84,7 +86,11 @@ impl DeviceFirstPass {
         }
         let bands = Some(kernels.bands);
         let cuts = baked.cut_of_emitters(&emitters);
-        let points = ResidentReceivers::new(gpu, frame, points.view(), &|i| cuts.as_ref().map_or(0, |cuts| cuts[i]))?;
+        let group = |i: usize| match kernels.knows_own {
+            true => 2 * i as u32,
+            false => cuts.as_ref().map_or(0, |cuts| cuts[i]),
+        };
+        let points = ResidentReceivers::new(gpu, frame, points.view(), &group)?;
         if points.parts() > 1 {
             return Err(GpuError::Refused("there are more sample points of spheres than a dispatch takes".into()));
         }

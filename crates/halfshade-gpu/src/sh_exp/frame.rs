@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use halfshade_strategies::sh_exp::{
     BakedScene,
-    arrays::{Blocker, CombinationArrays, FrameArrays, GroundField, SceneArrays},
+    arrays::{Blocker, CombinationArrays, FrameArrays, GroundField, Lamp, LampPlace, SceneArrays},
 };
 
 /// A sphere, as `sh_exp/frame.wgsl` reads it.
@@ -71,7 +71,7 @@ fn scaled(blocker: &Blocker, scale: f64) -> DeviceBlocker {
 
 /// Counts; first blocker and number of blockers of every cut; then, from the place that is returned, the masks of spheres that
 /// don't cover each other, if there are any.
-pub(super) fn numbers(baked: &BakedScene, arrays: &SceneArrays<'_>, counts: [u32; 4]) -> (Vec<u32>, u32) {
+pub(super) fn numbers(baked: &BakedScene, arrays: &SceneArrays<'_>, counts: [u32; 8]) -> (Vec<u32>, u32) {
     let mut numbers = counts.to_vec();
     let mut first = 0;
     for cut in baked.cuts() {
@@ -95,6 +95,23 @@ pub(super) fn numbers(baked: &BakedScene, arrays: &SceneArrays<'_>, counts: [u32
         numbers[masks + 3 * sphere..][..3].copy_from_slice(&[first, count as u32, bits as u32]);
     }
     (numbers, masks as u32)
+}
+
+/// Adds the lamps of a frame to `numbers`; gives the place at which they begin.
+pub(super) fn add_lamps(numbers: &mut Vec<u32>, lamps: &[Lamp], space: &KernelSpace) -> u32 {
+    let first = numbers.len() as u32;
+    for lamp in lamps {
+        let (place, size, is_far) = match lamp.place {
+            LampPlace::Far { direction, sine } => (direction, sine, 1.0),
+            LampPlace::Near { center, radius } => {
+                let scaled = |value: f32| (f64::from(value) * space.scale) as f32;
+                (center.map(scaled), scaled(radius), 0.0)
+            }
+        };
+        let values = place.into_iter().chain([size]).chain(lamp.radiance.to_array()).chain([is_far]);
+        numbers.extend(values.map(f32::to_bits));
+    }
+    first
 }
 
 /// Rows of four that hold a vector.

@@ -3,6 +3,7 @@
 mod constants;
 pub(crate) mod first_pass;
 pub(crate) mod frame;
+pub(crate) mod own;
 pub(crate) mod tables;
 
 use crate::{
@@ -20,6 +21,7 @@ use halfshade_strategies::{
     sh_exp::{BakedScene, arrays::FirstPass},
 };
 use halfshade_strategy::{Baked, Footprint, Info, Params, Prepared, Strategy, StrategyError};
+use own::OwnRows;
 use tables::{FrameUniforms, Tables};
 
 /// Places of the kernel's buffers in group 1.
@@ -44,6 +46,8 @@ struct BakedOnGpu {
     first_pass: Option<DeviceFirstPass>,
     uniforms: FrameUniforms,
     light_channels: u32,
+    /// Own occlusion and who knows it, if meshes tell.
+    own: Option<OwnRows>,
     /// Changes of the light up to which tables are on the device.
     light_changes: Option<u32>,
 }
@@ -69,6 +73,7 @@ impl Strategy for ShExpOnGpu {
         let (bands, uniform_bytes) = (Some(arrays.bands), size_of::<FrameUniforms>());
         Ok(Box::new(BakedOnGpu {
             runner: Runner::new(&self.bench, &SH_EXP, bands, &constants[0], uniform_bytes)?,
+            own: OwnRows::new(&arrays, scene.objects.len()),
             bench: self.bench.clone(),
             baked,
             constants,
@@ -96,7 +101,21 @@ impl Baked for BakedOnGpu {
     fn place_receivers(&mut self, frame: &Frame<'_>, receivers: Receivers<'_>) -> Result<(), StrategyError> {
         self.baked.prepare_frame(frame, self.baked.first_pass())?;
         let cuts = self.baked.cut_of(receivers);
-        Ok(self.runner.place_receivers(frame, receivers, &|i| cuts.as_ref().map_or(0, |cuts| cuts[i]))?)
+        let cut = |i: usize| cuts.as_ref().map_or(0, |cuts| cuts[i]);
+        let arrays = self.baked.scene_arrays();
+        let Some((own, own_arrays)) = self.own.as_mut().zip(arrays.own) else {
+            return Ok(self.runner.place_receivers(frame, receivers, &cut)?);
+        };
+        own.clear();
+        // Sample points come first, as `first_pass` expects it.
+        if let Some(reflections) = arrays.reflections {
+            let (points, emitters) = reflections.sample_points(frame);
+            let cuts = self.baked.cut_of_emitters(&emitters);
+            own.add(&own_arrays, points.view(), &|i| cuts.as_ref().map_or(0, |cuts| cuts[i]));
+        }
+        let first = own.add(&own_arrays, receivers, &cut);
+        self.light_changes = None;
+        Ok(self.runner.place_receivers(frame, receivers, &|i| first + 2 * i as u32)?)
     }
 
     fn prepare(&mut self, frame: &Frame<'_>) -> Result<Box<dyn Prepared + '_>, StrategyError> {
@@ -113,7 +132,7 @@ impl BakedOnGpu {
         frame::check_rounds(runner.gpu(), &scene, baked.cuts().map(<[_]>::len).max().unwrap_or(0))?;
         let space = frame::space(baked, &of_frame);
         if self.light_changes != Some(of_frame.light_changes) {
-            let tables = Tables::new(&scene, &of_frame);
+            let tables = Tables::new(&scene, &of_frame, self.own.as_ref());
             runner.write(TABLES, &tables.rows)?;
             (self.uniforms, self.light_channels) = (tables.uniforms, tables.light_channels);
             self.light_changes = Some(of_frame.light_changes);
@@ -121,8 +140,13 @@ impl BakedOnGpu {
         runner.write(BLOCKERS, &frame::blockers(baked, &space))?;
         let channels = of_frame.radiance_channels;
         let has_sun = u32::from(of_frame.light.sun.as_ref().is_some_and(|sun| sun.sin_radius > 0.0));
-        let counts = [self.light_channels, channels as u32, frame::ground_rows(&scene, &of_frame), has_sun];
-        let (numbers, masks) = frame::numbers(baked, &scene, counts);
+        let ground_rows = frame::ground_rows(&scene, &of_frame);
+        let lamps = of_frame.lamps.len() as u32;
+        let counts = [self.light_channels, channels as u32, ground_rows, has_sun, lamps, 0, 0, 0];
+        let (mut numbers, masks) = frame::numbers(baked, &scene, counts);
+        [self.uniforms.own_rotations, self.uniforms.own_spheres] =
+            own::add_objects(&mut numbers, scene.bands, &of_frame);
+        self.uniforms.lamps = frame::add_lamps(&mut numbers, of_frame.lamps, &space);
         runner.write(NUMBERS, &numbers)?;
         self.uniforms.masks = masks;
         self.uniforms.share_space = affine_rows(of_frame.blockers_from_light, DVec3::ZERO);
@@ -151,7 +175,7 @@ impl BakedOnGpu {
             Some(known) => known,
             none => {
                 let [lit, dark] = &self.constants;
-                let kernels = Kernels { bands: scene.bands, dark, lit };
+                let kernels = Kernels { bands: scene.bands, dark, lit, knows_own: scene.own.is_some() };
                 none.insert(DeviceFirstPass::new(&self.bench, &kernels, &self.baked, reflections, frame)?)
             }
         };

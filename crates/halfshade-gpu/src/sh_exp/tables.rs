@@ -1,10 +1,11 @@
 //! Tables of the scene and its light in one buffer, and where in it they begin.
 
+use super::own::OwnRows;
 use crate::rows::filled;
 use bytemuck::{Pod, Zeroable};
 use halfshade_sh::kernel::{BatchExponential, ExposedShares};
 use halfshade_strategies::sh_exp::arrays::{
-    BaseByNormal, CombinationArrays, DistantLightByNormal, FrameArrays, ReflectionArrays, SceneArrays,
+    BaseByNormal, CombinationArrays, DistantLightByNormal, FrameArrays, ReflectionArrays, SceneArrays, spiral,
 };
 
 /// Settings of a frame, as `sh_exp/frame.wgsl` reads them.
@@ -28,6 +29,13 @@ pub struct FrameUniforms {
     pub ground: u32,
     pub fan: u32,
     pub share_space: [[f32; 4]; 3],
+    pub own_receivers: u32,
+    pub own_rotations: u32,
+    pub own_spheres: u32,
+    pub lamps: u32,
+    pub spiral: u32,
+    pub mean_normals: u32,
+    pub padding: [u32; 2],
 }
 
 /// A table of the optimal linear form.
@@ -54,7 +62,7 @@ pub struct Tables {
 
 impl Tables {
     /// For a frame under the light of another, too.
-    pub fn new(arrays: &SceneArrays<'_>, frame: &FrameArrays<'_>) -> Self {
+    pub fn new(arrays: &SceneArrays<'_>, frame: &FrameArrays<'_>, own: Option<&OwnRows>) -> Self {
         let mut tables = Self::default();
         // Blockers are expected at row 0.
         tables.add_eights(arrays.blockers.rows());
@@ -71,6 +79,15 @@ impl Tables {
         let cosine = arrays.reflections.map(|reflections| reflections.cosine).or(arrays.ground_cosine);
         tables.uniforms.reflectance = filled(cosine.unwrap_or_default());
         tables.add_light(arrays.bands, frame.light);
+        tables.uniforms.spiral = tables.next_row();
+        for four in spiral().as_chunks::<4>().0 {
+            tables.rows.extend([0, 1].map(|part| four.map(|turn| turn[part])));
+        }
+        if let Some(own) = own {
+            tables.uniforms.own_receivers = tables.next_row() + own.first_receiver() as u32;
+            let vectors = tables.next_row();
+            tables.rows.extend(own.rows(vectors));
+        }
         tables
     }
 
@@ -110,6 +127,10 @@ impl Tables {
         }
         self.uniforms.form_table = self.next_row();
         self.add_eights(reflections.form.rows());
+        if let Some(table) = reflections.mean_normal {
+            self.uniforms.mean_normals = self.next_row();
+            self.rows.extend(in_fours(table.values().as_flattened()));
+        }
     }
 
     fn add_light(&mut self, bands: usize, light: &DistantLightByNormal) {

@@ -25,8 +25,9 @@ use std::{
 };
 
 /// Settings of `sh-exp` that are held to the contract.
-const SH_EXP: [&str; 9] = [
+const SH_EXP: [&str; 10] = [
     "",
+    "own=spheres,sun=projected,ground=ignored",
     "as-published",
     "bounces=0,exp=hybrid",
     "bounces=0,exp=product",
@@ -38,15 +39,16 @@ const SH_EXP: [&str; 9] = [
 ];
 
 /// Settings of `sh-exp` that are only compared with the CPU, which is held to the contract.
-const SH_EXP_BESIDE: [&str; 8] = [
+const SH_EXP_BESIDE: [&str; 9] = [
     "bounces=0,exp=series",
     "bounces=0,exp=optimal-linear,bands=2",
     "bounces=0,exp=product,overlap=shared",
     "intersections=precomputed,order=power,clamp=on",
     "walk=quadratic,reflection-exp=series,bands=3",
     "exp=product,reflection-exp=optimal-linear,levels=cluster",
-    "ground=seen",
-    "ground=seen,bounces=0,clamp=on",
+    "ground=ignored",
+    "bounces=0,clamp=on",
+    "bounces=0,own=spheres,ground=ignored,bands=6",
 ];
 
 /// Settings of `ray-traced` that are compared with the CPU: by light and by cosine alone, and more samples than one dispatch

@@ -194,7 +194,8 @@ fn squared_distance(a: &[f32x8; 3], b: &[f32x8; 3]) -> f32x8 {
 
 /// Two unit vectors at right angles to unit `direction` and each other, continuous but for the direction -Y; within a
 /// degree of that they are shorter and askew.
-fn tangents([x, y, z]: [f32x8; 3]) -> ([f32x8; 3], [f32x8; 3]) {
+#[inline(always)]
+pub fn tangents([x, y, z]: [f32x8; 3]) -> ([f32x8; 3], [f32x8; 3]) {
     let a = -f32x8::ONE / (f32x8::ONE + y).max(f32x8::splat(1e-4));
     let b = x * z * a;
     ([x.mul_add(x * a, f32x8::ONE), -x, b], [b, -z, z.mul_add(z * a, f32x8::ONE)])

@@ -1,21 +1,26 @@
 //! A frame as plain arrays, for kernels that run elsewhere than on the processor.
 
 pub use super::kernel::{
-    blocker::Blocker,
+    blocker::{Blocker, OwnSpheres},
+    lamps::{POINTS as LAMP_POINTS, spiral},
     light::{BaseByNormal, DistantLightByNormal},
     sun::SunLight,
 };
 use super::{
     BakedScene,
-    bake::{Visibility, reflections::ReflectionTables},
+    bake::{Visibility, own::OwnTables, reflections::ReflectionTables},
     prepare::{self, cuts::CutOf, emitters, frame::FrameData},
     settings::{Intersections, Order, Walk},
 };
 pub use super::{kernel::ground::GroundField, prepare::FirstPass};
+pub use crate::shared::placed_lamps::{Lamp, LampPlace};
 use glam::{DMat3, DQuat, DVec3};
-use halfshade_scene::{Frame, ReceiverBuffer, Receivers, spheres::AdjustRule};
+use halfshade_scene::{
+    Frame, ReceiverBuffer, Receivers, SurfacePoint, VertexWeights, light::OctahedralGrid, spheres::AdjustRule,
+};
 use halfshade_sh::{
-    blocker_table::BlockerTable, form_factor::FormFactorTable, kernel::BatchExponential, rotation::ShRotation,
+    blocker_table::BlockerTable, form_factor::FormFactorTable, kernel::BatchExponential, mean_normal::MeanNormalTable,
+    rotation::ShRotation,
 };
 use halfshade_strategy::StrategyError;
 
@@ -36,6 +41,36 @@ pub struct SceneArrays<'a> {
     pub reflections: Option<ReflectionArrays<'a>>,
     /// Clamped cosine over π by band, times the rotation's factor, if objects without spheres are seen.
     pub ground_cosine: Option<&'a [f32]>,
+    /// What objects hide from themselves, if their meshes tell.
+    pub own: Option<OwnArrays<'a>>,
+}
+
+/// Own occlusion of all objects.
+#[derive(Debug, Clone, Copy)]
+pub struct OwnArrays<'a>(&'a OwnTables);
+
+impl<'a> OwnArrays<'a> {
+    /// Per vertex of an object the SH vector of what is blocked, in object space; empty if nothing is, `None` if its spheres
+    /// stand for it. Objects of one mesh share their vectors.
+    pub fn vectors(&self, object: usize) -> Option<&'a [f32]> {
+        self.0.of(object).map(|own| own.values.as_slice())
+    }
+
+    /// Per vertex a bit per node of [`Self::grid`], 1 where the mesh hides a small light there; empty if it hides none. `None` as
+    /// above.
+    pub fn hidden(&self, object: usize) -> Option<&'a [u32]> {
+        self.0.of(object).map(|own| own.hidden.as_slice())
+    }
+
+    /// Nodes of directions in object space.
+    pub fn grid(&self) -> OctahedralGrid {
+        self.0.grid
+    }
+
+    /// The vertices between which a receiver lies; `None` where it asks the spheres.
+    pub fn vertices_around(&self, object: usize, point: SurfacePoint) -> Option<VertexWeights> {
+        point.weights_in_front(&self.0.of(object)?.mesh)
+    }
 }
 
 /// Tables of reflections that hold for all frames.
@@ -50,6 +85,8 @@ pub struct ReflectionArrays<'a> {
     pub exponential: &'a BatchExponential,
     /// Averages over what is seen of a sphere.
     pub form: &'a FormFactorTable,
+    /// Where they are taken, if they know the receiver.
+    pub mean_normal: Option<&'a MeanNormalTable>,
     /// Clamped cosine over π by band, times the rotation's factor.
     pub cosine: &'a [f32],
     /// Whether spheres are ordered by power distance, not by that of their centres.
@@ -118,6 +155,8 @@ pub enum CombinationArrays<'a> {
 pub struct FrameArrays<'a> {
     /// Light that is multiplied with visibility, in light space.
     pub light: &'a DistantLightByNormal,
+    /// Lights that are handled apart, in light space.
+    pub lamps: &'a [Lamp],
     /// How often the light has changed since the scene was baked.
     pub light_changes: u32,
     /// Rotation of light space: `rotation · (point - center)` of a point in world space.
@@ -134,14 +173,16 @@ pub struct FrameArrays<'a> {
     pub radiance: &'a [f32],
     /// Objects without spheres as each object sees them, and the same if they were black; empty if they aren't seen.
     pub ground: [&'a [Option<GroundField>]; 2],
+    /// Per object the blocks of the SH rotation from its space into light space, band by band, row by row; empty if spheres
+    /// hide objects from themselves.
+    pub own_rotations: &'a [Vec<f32>],
+    /// Per object its spheres; as above.
+    pub own_spheres: &'a [OwnSpheres],
 }
 
 impl BakedScene {
     /// Makes `frame` the frame of [`Self::frame_arrays`]; a `first_pass` elsewhere leaves it without radiance.
     pub fn prepare_frame(&mut self, frame: &Frame<'_>, first_pass: FirstPass) -> Result<(), StrategyError> {
-        if !frame.lights.is_empty() {
-            return Err(StrategyError::Unsupported(super::NO_LOCAL_LIGHTS.into()));
-        }
         prepare::prepare(&mut self.tables, &mut self.data, frame, first_pass)
     }
 
@@ -165,6 +206,7 @@ impl BakedScene {
                 logs: &tables.table,
                 exponential: &tables.exponential,
                 form: &tables.form,
+                mean_normal: tables.mean_normal.as_ref(),
                 cosine: &tables.cosine,
                 by_power: tables.order == Order::Power,
                 is_precomputed: tables.intersections == Intersections::Precomputed,
@@ -175,6 +217,7 @@ impl BakedScene {
                 neighbours: &tables.neighbours,
             }),
             ground_cosine: tables.ground.as_ref().map(|ground| ground.cosine.as_slice()),
+            own: tables.own.as_ref().map(OwnArrays),
         }
     }
 
@@ -186,19 +229,22 @@ impl BakedScene {
 
     /// Light and space of the frame.
     pub fn frame_arrays(&self) -> FrameArrays<'_> {
-        let FrameData { space, light, ground, .. } = &self.data;
+        let FrameData { space, light, lamps, ground, own, .. } = &self.data;
         let reflections = self.tables.reflections.as_ref();
         let fields = ground.as_ref().map(|ground| &ground.fields);
         FrameArrays {
             light: &light.by_normal,
+            lamps,
             light_changes: light.changes,
             rotation: space.rotation,
             center: space.center,
             blockers_from_light: space.blockers_from_light,
             turns: &self.data.turns,
-            radiance_channels: reflections.map_or(0, |tables| tables.channels(light.by_normal.is_grey())),
+            radiance_channels: reflections.map_or(0, |tables| tables.channels(self.data.is_grey())),
             radiance: &self.data.radiance.vectors,
             ground: fields.map_or([&[], &[]], |fields| [&fields.seen, &fields.taken]),
+            own_rotations: &own.rotations,
+            own_spheres: &own.spheres,
         }
     }
 

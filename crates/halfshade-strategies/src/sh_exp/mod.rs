@@ -11,8 +11,8 @@
 //!
 //! `exp=product` multiplies the blockers one after another instead (eq. 4.6), which the logarithm approximates.
 //!
-//! **Phases.** `bake`: tables, sphere hierarchies, receiver clusters, colours and sample points of spheres. `prepare`: places
-//! of the spheres, light by normal, cuts through the hierarchies, radiance of the spheres; it ends in plain
+//! **Phases.** `bake`: tables, sphere hierarchies, receiver clusters, colours and sample points of spheres, own occlusion. `prepare`: places
+//! of the spheres, light by normal, lamps, cuts through the hierarchies, radiance of the spheres; it ends in plain
 //! data. `shade`: receivers in batches of eight, by the functions in `kernel`.
 //!
 //! **Hierarchy.** `levels=cluster` takes coarser spheres for objects that a cluster of receivers sees from afar, one level
@@ -33,10 +33,13 @@
 //! **As published** is a preset, `as-published`. The defaults depart from it where scenes came nearer to the truth at no more
 //! cost (`results/thesis-frame-rates`, `results/soft-shadows`): rules for cut spheres and squaring without jumps, a magnitude
 //! limit that falls with the bands, leaves instead of clusters, intersecting spheres taken in order instead of baking who covers
-//! whom. Objects without spheres neither block nor reflect, as published; with `ground=seen` they do both for all others,
-//! see `prepare/ground.rs`.
+//! whom; and three things that spheres and few bands can't show.
 //!
-//! **Beyond the papers.** `exp=quadratic` replaces the optimal-linear form within the hybrid by the first two
+//! **Beyond the papers.** `own=baked` asks the mesh, once per vertex, what it hides from itself, in the place of the object's
+//! own spheres, see `bake/own.rs`; objects that deform fall back on those. `sun=apart` takes suns and small bright parts of
+//! a map out of the light and handles them by how much of their discs spheres cover, see `kernel/lamps.rs`; spherical lights,
+//! which distant light can't stand for, are handled so in any case. `ground=seen` lets objects without spheres block and reflect,
+//! see `prepare/ground.rs`. `exp=quadratic` replaces the optimal-linear form within the hybrid by the first two
 //! powers of the series, see [`halfshade_sh::exponential::Method::Quadratic`]. `exp=shares` has no exponential: where k
 //! spheres overlap as the receiver sees them, each is given 1/k of the direction, and V is 1 less the caps times their
 //! shares, found at `points` points per sphere, see [`halfshade_sh::kernel::ExposedShares`]. `exp=traced` measures what no way to
@@ -44,13 +47,14 @@
 //!
 //! **Bounds.** The exponential holds V to what a function with values in [0, 1] can be: `0 ≤ V_0 ≤ √4π` and
 //! `|V|² ≤ √4π V_0`. What arrives directly is therefore finite and at most `|L_ρ(n)| √4π` in magnitude; for constant light
-//! that is 1.64 times the unshadowed value. What `ground=seen` takes of it and what spheres and ground reflect are products
+//! that is 1.64 times the unshadowed value. Lamps give between nothing and what they do unshadowed. What `ground=seen` takes of it and what spheres and ground reflect are products
 //! with the same V, or differences of such, and come on top; what is taken is affine in the place and may be less than
 //! nothing. Ringing is reported, not hidden, unless `clamp=on` holds what arrives directly, less what the ground takes,
 //! between 0 and the unshadowed value, and every part that is reflected at 0 or more: with `bounces=0` radiance lies
 //! between 0 and unshadowed, with more it isn't below 0. `tests/sh_exp/stability.rs` holds the method to all that.
 //!
-//! **Limits.** Distant light only. Few bands blur shadows: the sun's shadow is as wide as the last band. Products and
+//! **Limits.** Few bands blur shadows: with `sun=projected` the sun's shadow is as wide as the last band. Of lamps, objects
+//! without spheres hide nothing, and an object's own mesh hides them from its vertices to 7 degrees. Products and
 //! exponentials multiply overlapping blockers as if band-limited functions were exact, which leaves dense sets too bright
 //! or too dark; shares don't, and cost more at few bands (`results/soft-shadows`).
 //!
@@ -69,19 +73,16 @@ mod prepare;
 mod settings;
 mod shade;
 
-use bake::Tables;
+use bake::{Tables, own::OwnTables};
 use halfshade_scene::{Frame, Progress, Scene, light::OctahedralGrid};
 use halfshade_strategy::{Baked, Effect, Effects, Footprint, Info, Params, Prepared, Strategy, StrategyError};
 use prepare::{FirstPass, frame::FrameData, ground::GroundView, light::FrameLight};
-use settings::{PRESETS, Settings};
+use settings::{PRESETS, Settings, SmallLights};
 use shade::Shader;
 
 /// The strategy.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct ShExp;
-
-const NO_LOCAL_LIGHTS: &str =
-    "local lights: the spherical harmonics of an infinitely distant light don't describe a light at a finite distance";
 
 impl Strategy for ShExp {
     fn info(&self) -> Info {
@@ -93,6 +94,7 @@ impl Strategy for ShExp {
             presets: PRESETS,
             effects: Effects::of(&[
                 Effect::EnvironmentLight,
+                Effect::LocalLights,
                 Effect::ColouredLight,
                 Effect::Interreflection,
                 Effect::Motion,
@@ -109,13 +111,11 @@ impl Strategy for ShExp {
 impl ShExp {
     /// [`Strategy::bake`], for who reads the arrays of its frames.
     pub fn bake_scene(scene: &Scene, params: &Params, progress: &dyn Progress) -> Result<BakedScene, StrategyError> {
-        if !scene.lights.is_empty() {
-            return Err(StrategyError::Unsupported(NO_LOCAL_LIGHTS.into()));
-        }
         let settings = Settings::read(params);
         let tables = Tables::new(scene, &settings, progress)?;
         let grid = OctahedralGrid::new(settings.normals);
-        let light = FrameLight::new(settings.bands, &scene.environment, grid, settings.window.into());
+        let most_lamps = (settings.small_lights == SmallLights::Apart).then_some(settings.lamps);
+        let light = FrameLight::new(settings.bands, &scene.environment, grid, settings.window.into(), most_lamps);
         Ok(BakedScene { tables, data: FrameData::new(light) })
     }
 }
@@ -137,6 +137,7 @@ impl Baked for BakedScene {
                 ("light by normal", data.light.by_normal.bytes()),
                 ("spheres", data.cuts.bytes() + tables.hierarchies.bytes()),
                 ("reflections", reflections.unwrap_or(0)),
+                ("own occlusion", tables.own.as_ref().map_or(0, OwnTables::bytes)),
                 ("ground", data.ground.as_ref().map_or(0, GroundView::bytes)),
             ],
         }

@@ -1,7 +1,7 @@
 //! Everything that can be set.
 
 use crate::shared::adjustment::Rule;
-use halfshade_scene::scene::MAX_BOUNCES;
+use halfshade_scene::{Environment, Scene, light::DistantLight, scene::MAX_BOUNCES};
 use halfshade_sh::{
     exponential::{Exponential, Method},
     form_factor, logarithm, window,
@@ -159,6 +159,36 @@ choice! {
 }
 
 choice! {
+    /// The part of a sphere over which what it radiates is averaged.
+    pub(crate) enum Average {
+        /// what is seen of it, whoever looks [Guerrero2007, eq. 4.25]
+        Sphere = "sphere",
+        /// what lies above the receiver's horizon, by the receiver's cosine
+        Receiver = "receiver",
+    }
+}
+
+choice! {
+    /// Treatment of suns, and of small bright parts of a map.
+    pub(crate) enum SmallLights {
+        /// by their projection, as all distant light: their shadows are as soft as the last band
+        Projected = "projected",
+        /// by how much of their discs spheres cover, as spherical lights are always
+        Apart = "apart",
+    }
+}
+
+choice! {
+    /// How a receiver knows what its own object hides from it.
+    pub(crate) enum OwnOcclusion {
+        /// by the object's spheres, as by any others [Guerrero2007, 4.2]
+        Spheres = "spheres",
+        /// by its mesh, once per vertex; of objects that deform by their spheres
+        Baked = "baked",
+    }
+}
+
+choice! {
     /// Treatment of objects without spheres.
     pub(crate) enum GroundMode {
         /// ignored by all others
@@ -221,10 +251,20 @@ settings! {
         "radiance-bands" => radiance_bands: usize = 0, in 0..=8;
         /// reflections: weight of directions in the average over a sphere
         "form-factor" => form_factor: FormFactor = FormFactor::SolidAngle;
+        /// reflections: what the average over a sphere knows of the receiver
+        "average" => average: Average = Average::Receiver;
         /// reflections: 10n² + 2 sample points around each sphere
         "sample-divisions" => sample_divisions: usize = 2, in 1..=6;
+        /// suns, and small bright parts of a map
+        "sun" => small_lights: SmallLights = SmallLights::Apart;
+        /// sun=apart: most small bright parts that are taken out of a map
+        "lamps" => lamps: usize = 4, in 0..=16;
+        /// what a receiver's own object hides from it
+        "own" => own: OwnOcclusion = OwnOcclusion::Baked;
+        /// own=baked: directions in which each vertex looks for its own mesh
+        "own-directions" => own_directions: usize = 256, in 16..=4096;
         /// objects without spheres
-        "ground" => ground: GroundMode = GroundMode::Ignored;
+        "ground" => ground: GroundMode = GroundMode::Seen;
         /// ground=seen: directions that every object looks into
         "ground-directions" => ground_directions: usize = 128, in 16..=4096;
         /// hold direct light between 0 and unshadowed, and what is reflected at 0 or more
@@ -235,12 +275,22 @@ settings! {
 }
 
 /// Values under one name.
-pub(crate) const PRESETS: &[Preset] = &[Preset {
+pub(crate) const PRESETS: &[Preset] = &[AS_PUBLISHED, SPHERES_ALONE];
+
+const AS_PUBLISHED: Preset = Preset {
     name: "as-published",
-    summary: "[Guerrero2007, 4]: clusters with one level of each object, intersections precomputed, every nearer sphere summed",
+    summary: "[Guerrero2007, 4]: clusters with one level of each object, intersections precomputed, every nearer sphere summed, \
+              nothing from meshes, suns projected",
     settings: "rule=published,squaring=published,magnitude-limit=4.8,levels=cluster,ratios=on,reflection-limit=4.8,\
-               intersections=precomputed,order=center,walk=quadratic,projection=product,form-factor=cosine",
-}];
+               intersections=precomputed,order=center,walk=quadratic,projection=product,form-factor=cosine,average=sphere,\
+               own=spheres,sun=projected,ground=ignored",
+};
+
+const SPHERES_ALONE: Preset = Preset {
+    name: "spheres-alone",
+    summary: "nothing from meshes, suns projected, no ground: what spheres and harmonics do alone, by our rules",
+    settings: "own=spheres,sun=projected,ground=ignored",
+};
 
 impl Switch {
     pub(crate) fn is_on(self) -> bool {
@@ -249,6 +299,13 @@ impl Switch {
 }
 
 impl Settings {
+    /// Whether a scene may have lights that are handled apart.
+    pub(crate) fn has_lamps(&self, scene: &Scene) -> bool {
+        let Environment { base, sun } = &scene.environment;
+        let may_hold = self.lamps > 0 && matches!(base, DistantLight::Map(_));
+        !scene.lights.is_empty() || self.small_lights == SmallLights::Apart && (may_hold || sun.is_some())
+    }
+
     /// The exponential of shadows or of reflections; a `limit` of 0 asks for the form's own.
     pub(crate) fn exponential(&self, form: ExponentialForm, limit: f64) -> Exponential {
         let limit = if limit == 0.0 { form.default_magnitude_limit(self.bands) } else { limit };

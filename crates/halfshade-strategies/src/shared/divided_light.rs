@@ -51,7 +51,8 @@ impl DividedLight {
     }
 }
 
-fn divided(whole: &DistantLight, most_lamps: usize) -> (Vec<Sun>, DistantLight) {
+/// At most so many lamps of a distant light, and the rest.
+pub(crate) fn divided(whole: &DistantLight, most_lamps: usize) -> (Vec<Sun>, DistantLight) {
     let DistantLight::Map(map) = whole else { return (Vec::new(), whole.clone()) };
     let (lamps, texels) = lamps::split(map, most_lamps);
     if lamps.is_empty() {

@@ -11,8 +11,10 @@ pub(crate) mod origin;
 pub(crate) mod placed_lamps;
 pub(crate) mod placed_spheres;
 pub mod projected_light;
+pub(crate) mod rotate;
 pub(crate) mod tangent_plane;
 #[cfg(test)]
 pub(crate) mod test_scenes;
 pub(crate) mod triangle_rays;
 pub(crate) mod vector;
+pub(crate) mod vertex_vectors;

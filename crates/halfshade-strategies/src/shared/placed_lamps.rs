@@ -47,7 +47,7 @@ pub(crate) fn placed_lamps(frame: &Frame<'_>, light: &DividedLight, space: &Ligh
 
 impl Lamp {
     /// A sun.
-    fn far(sun: &Sun) -> Self {
+    pub(crate) fn far(sun: &Sun) -> Self {
         let direction = sun.direction.as_dvec3().normalize_or(DVec3::Y).as_vec3().to_array();
         let sine = f64::from(sun.angular_radius).sin().clamp(0.0, 1.0) as f32;
         Self { place: LampPlace::Far { direction, sine }, radiance: sun.radiance }

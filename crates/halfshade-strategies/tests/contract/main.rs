@@ -61,7 +61,8 @@ contract_tests!(sh_exp_six_bands, ShExp, "bounces=0,exp=hybrid,bands=6,normals=1
 contract_tests!(sh_exp_clamped, ShExp, "bounces=0,exp=hybrid,clamp=on,rule=published,window=hann,normals=16", RINGING);
 contract_tests!(sh_exp_tree, ShExp, "bounces=0,levels=tree,normals=16", RINGING);
 contract_tests!(sh_exp_reflections, ShExp, "", RINGING);
-contract_tests!(sh_exp_over_ground, ShExp, "ground=seen,normals=16", RINGING);
+contract_tests!(sh_exp_by_spheres, ShExp, "own=spheres,sun=projected,ground=ignored,normals=16", RINGING);
+contract_tests!(sh_exp_lamps_by_spheres, ShExp, "bounces=0,own=spheres,normals=16", RINGING);
 contract_tests!(sh_exp_traced, ShExp, "exp=traced,directions=512,normals=16", Bounds { rotation: 0.05, ..RINGING });
 contract_tests!(sh_exp_as_published, ShExp, "as-published,bands=3,normals=16", RINGING);
 contract_tests!(sh_exp_reflections_precomputed, ShExp, "intersections=precomputed,order=power,normals=16", RINGING);

@@ -61,7 +61,7 @@ impl Frame {
         let params = ShExp.info().parse(settings).map_err(|error| failed(&error))?;
         let mut baked = ShExp::bake_scene(&scene, &params, &Silent).map_err(|error| failed(&error))?;
         baked.prepare_frame(&scene.frame(0), FirstPass::Here).map_err(|error| failed(&error))?;
-        let tables = Tables::new(&baked.scene_arrays(), &baked.frame_arrays());
+        let tables = Tables::new(&baked.scene_arrays(), &baked.frame_arrays(), None);
         Ok(Self { tables, blockers: Vec::new(), numbers: vec![0; 4], radiating: Vec::new() })
     }
 

@@ -6,10 +6,11 @@ pub(crate) mod directions;
 pub(crate) mod geodesic;
 pub(crate) mod ground;
 pub(crate) mod hierarchy;
+pub(crate) mod own;
 pub(crate) mod reflections;
 pub(crate) mod surface;
 
-use super::settings::{Combination, ExponentialForm, GroundMode, Levels, Ratios, Settings};
+use super::settings::{Combination, ExponentialForm, GroundMode, Levels, OwnOcclusion, Ratios, Settings};
 use clusters::ObjectClusters;
 use glam::DVec3;
 use ground::GroundTables;
@@ -21,6 +22,7 @@ use halfshade_sh::{
 };
 use halfshade_strategy::StrategyError;
 use hierarchy::Hierarchies;
+use own::OwnTables;
 use reflections::ReflectionTables;
 use std::sync::Arc;
 
@@ -70,6 +72,8 @@ pub(crate) struct Tables {
     pub(crate) reflections: Option<ReflectionTables>,
     /// Objects without spheres, if they are to be seen.
     pub(crate) ground: Option<GroundTables>,
+    /// What objects hide from themselves, if their meshes are to tell.
+    pub(crate) own: Option<OwnTables>,
 }
 
 impl Tables {
@@ -114,6 +118,12 @@ impl Tables {
             GroundMode::Ignored => None,
             GroundMode::Seen => GroundTables::new(scene, bands, settings.ground_directions),
         };
+        let own = match settings.own {
+            OwnOcclusion::Spheres => None,
+            OwnOcclusion::Baked => {
+                Some(OwnTables::new(scene, bands, settings.own_directions, settings.has_lamps(scene)))
+            }
+        };
         progress.advance(1);
         Ok(Self {
             bands,
@@ -132,6 +142,7 @@ impl Tables {
             },
             reflections,
             ground,
+            own,
         })
     }
 

@@ -5,9 +5,12 @@ use super::{
     hierarchy::{Hierarchies, Level},
     surface::{self, Covered, SphereSurface},
 };
-use crate::sh_exp::settings::{GroundMode, Intersections, Order, Settings, Walk};
+use crate::sh_exp::settings::{Average, GroundMode, Intersections, Order, Settings, Walk};
 use halfshade_scene::{Frame, Object, Scene, Sphere, light::is_grey};
-use halfshade_sh::{blocker_table::BlockerTable, form_factor::FormFactorTable, kernel::BatchExponential, zonal};
+use halfshade_sh::{
+    blocker_table::BlockerTable, form_factor::FormFactorTable, kernel::BatchExponential, mean_normal::MeanNormalTable,
+    zonal,
+};
 use std::sync::Arc;
 
 /// Everything about reflections that holds for all frames.
@@ -23,6 +26,8 @@ pub(crate) struct ReflectionTables {
     /// Log blockers.
     pub(crate) table: Arc<BlockerTable>,
     pub(crate) form: FormFactorTable,
+    /// Where on a sphere its average is taken, if it knows the receiver.
+    pub(crate) mean_normal: Option<MeanNormalTable>,
     /// Clamped cosine over π by band, times the rotation's factor: ρ_n.
     pub(crate) cosine: Vec<f32>,
     pub(crate) walk: Walk,
@@ -92,6 +97,7 @@ impl ReflectionTables {
             exponential,
             table,
             form: FormFactorTable::build(settings.form_factor.into()),
+            mean_normal: (settings.average == Average::Receiver).then(MeanNormalTable::build),
             cosine: zonal::reflectance(bands).into_iter().map(|value| value as f32).collect(),
             walk: settings.walk,
             order: settings.order,

@@ -31,6 +31,17 @@ pub(crate) struct Blockers<'a> {
     pub(crate) table: &'a BlockerTable,
     /// Treatment of spheres that cut a receiver's tangent plane.
     pub(crate) rule: AdjustRule,
+    /// The spheres of the receivers' own object.
+    pub(crate) own: OwnSpheres,
+}
+
+/// The spheres of an object, by their numbers among those of all levels.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct OwnSpheres {
+    /// The first of them.
+    pub first: u32,
+    /// How many they are.
+    pub count: u32,
 }
 
 /// Eight receivers in light space.
@@ -39,6 +50,8 @@ pub(crate) struct Receivers8 {
     pub(crate) position: [f32x8; 3],
     /// Unit.
     pub(crate) normal: [f32x8; 3],
+    /// The lanes that know otherwise what their own object hides, and don't ask its spheres.
+    pub(crate) knows_own: f32x8,
 }
 
 /// The view of eight receivers on one sphere after the rules of [`halfshade_scene::spheres::adjust`].
@@ -47,6 +60,28 @@ pub(crate) struct Seen {
     pub(crate) direction: [f32x8; 3],
     /// Squared sine of its angular radius; exactly 0 where the sphere has no influence.
     pub(crate) sin_squared: f32x8,
+}
+
+impl OwnSpheres {
+    #[inline(always)]
+    pub(crate) fn contains(self, sphere: u32) -> bool {
+        sphere.wrapping_sub(self.first) < self.count
+    }
+}
+
+impl Blockers<'_> {
+    /// The view of `receivers` on a sphere of the list that hides the environment from them, as [`Blocker::seen_from`].
+    #[inline(always)]
+    pub(crate) fn hiding(&self, blocker: &Blocker, receivers: &Receivers8) -> Option<Seen> {
+        if !self.own.contains(blocker.emitter) {
+            return blocker.seen_from(receivers, self.rule);
+        }
+        if receivers.knows_own.all() {
+            return None;
+        }
+        let seen = blocker.seen_from(receivers, self.rule)?;
+        Some(Seen { sin_squared: receivers.knows_own.select(f32x8::ZERO, seen.sin_squared), ..seen })
+    }
 }
 
 impl Blocker {
@@ -66,7 +101,7 @@ impl Blocker {
     /// be 0.
     #[inline(always)]
     pub(crate) fn seen_from(&self, receivers: &Receivers8, rule: AdjustRule) -> Option<Seen> {
-        let Receivers8 { position, normal } = receivers;
+        let Receivers8 { position, normal, .. } = receivers;
         let radius = f32x8::splat(self.radius);
         let offset: [f32x8; 3] = std::array::from_fn(|axis| f32x8::splat(self.center[axis]) - position[axis]);
         let over = OverPlane::new(offset, radius, *normal);
@@ -95,7 +130,8 @@ mod tests {
                     let position = [f32x8::ZERO, f32x8::splat(radius * distance * sign), f32x8::ZERO];
                     let normal = [f32x8::ZERO, f32x8::ONE, f32x8::ZERO];
                     for rule in [AdjustRule::Continuous, AdjustRule::Covering, AdjustRule::Published] {
-                        if let Some(seen) = blocker.seen_from(&Receivers8 { position, normal }, rule) {
+                        let receivers = Receivers8 { position, normal, knows_own: f32x8::ZERO };
+                        if let Some(seen) = blocker.seen_from(&receivers, rule) {
                             assert!(seen.direction.iter().all(|c| c.to_array()[0].is_finite()));
                             assert!((0.0..=1.0).contains(&seen.sin_squared.to_array()[0]));
                         }

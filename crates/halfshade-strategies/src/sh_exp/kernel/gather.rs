@@ -14,10 +14,14 @@
 //! neighbours: O(n·m) with m neighbours instead of O(n²/2), as chapter 6 hopes for.
 
 use super::{Blocker, Blockers, Receivers8, dot_shared, traced::Traced};
-use crate::sh_exp::settings::{Intersections, Order, Walk};
+use crate::{
+    sh_exp::settings::{Intersections, Order, Walk},
+    shared::vector::dot,
+};
 use halfshade_sh::{
     form_factor::FormFactorTable,
     kernel::{self, BatchExponential, LANES, ShBatch, times_bands},
+    mean_normal::MeanNormalTable,
 };
 use wide::f32x8;
 
@@ -26,6 +30,8 @@ use wide::f32x8;
 pub(crate) struct Radiating<'a> {
     pub(crate) vectors: &'a RadianceVectors,
     pub(crate) form: &'a FormFactorTable,
+    /// Where on a sphere the average is taken; `None`: where it faces the receiver.
+    pub(crate) mean_normal: Option<&'a MeanNormalTable>,
     pub(crate) exponential: &'a BatchExponential,
     /// Clamped cosine over π by band, times the rotation's factor: ρ_n.
     pub(crate) cosine: &'a [f32],
@@ -109,7 +115,8 @@ impl<const N: usize> Gather<N> {
         }
     }
 
-    /// Looks at every sphere; returns Σ log B_i, which the shadows need. The table of `blockers` holds logarithms.
+    /// Looks at every sphere; returns Σ log B_i over those that hide the
+    /// environment, which the shadows need. The table of `blockers` holds logarithms.
     #[inline(never)]
     pub(crate) fn see(
         &mut self,
@@ -125,13 +132,23 @@ impl<const N: usize> Gather<N> {
             let basis = kernel::basis::<f32x8, N>(seen.direction);
             let scale = blocker.times_factors(blockers.table.lookup::<N>(seen.sin_squared));
             let log = times_bands(&basis, &scale);
-            log_sum.iter_mut().zip(&log).for_each(|(sum, log)| *sum += *log);
+            if blockers.own.contains(blocker.emitter) {
+                let hides = |log: f32x8| receivers.knows_own.select(f32x8::ZERO, log);
+                log_sum.iter_mut().zip(&log).for_each(|(sum, log)| *sum += hides(*log));
+            } else {
+                log_sum.iter_mut().zip(&log).for_each(|(sum, log)| *sum += *log);
+            }
             let vectors = radiating.vectors.of(blocker.emitter as usize);
             let radiance = vectors.map_or([f32x8::ZERO; 3], |vectors| {
-                let mut form = radiating.form.lookup(seen.sin_squared.sqrt());
-                // From the sphere to the receiver: the opposite direction turns the sign of odd bands.
-                form.iter_mut().skip(1).step_by(2).for_each(|f| *f = -*f);
-                let weights = times_bands(&basis, &form);
+                let weights = match radiating.mean_normal {
+                    None => {
+                        let mut form = radiating.form.lookup(seen.sin_squared.sqrt());
+                        // From the sphere to the receiver: the opposite direction turns the sign of odd bands.
+                        form.iter_mut().skip(1).step_by(2).for_each(|f| *f = -*f);
+                        times_bands(&basis, &form)
+                    }
+                    Some(table) => weights_at_mean(blocker, radiating.form, table, receivers),
+                };
                 let radiance = match vectors.as_chunks::<N>().0 {
                     [grey] => [dot_shared(&weights, grey); 3],
                     channels => std::array::from_fn(|c| dot_shared(&weights, &channels[c])),
@@ -332,6 +349,34 @@ impl<const N: usize> Gather<N> {
         }
         radiance.map(f32x8::from)
     }
+}
+
+/// Weights of a sphere's radiance in its average over what lies above the receivers' horizon, by their cosine: those of the
+/// form factor about the mean normal p̄, the bands from 1 on scaled so that the first has its length.
+#[inline(always)]
+fn weights_at_mean<const N: usize>(
+    blocker: &Blocker,
+    form: &FormFactorTable,
+    table: &MeanNormalTable,
+    Receivers8 { position, normal, .. }: &Receivers8,
+) -> ShBatch<N> {
+    let least = f32x8::splat(f32::MIN_POSITIVE);
+    let offset: [f32x8; 3] = std::array::from_fn(|axis| f32x8::splat(blocker.center[axis]) - position[axis]);
+    let per_distance = f32x8::ONE / dot(&offset, &offset).fast_max(least).sqrt();
+    let toward = offset.map(|axis| axis * per_distance);
+    let sine = (f32x8::splat(blocker.radius) * per_distance).fast_min(f32x8::ONE);
+    let cosine = dot(&toward, normal);
+    let [along, aside] = table.lookup(sine, cosine);
+    // A d + B (n - (n·d) d)/|n - (n·d) d|
+    let across = (f32x8::ONE - cosine * cosine).fast_max(f32x8::splat(1e-12)).sqrt();
+    let of_normal = aside / across;
+    let of_toward = of_normal.mul_neg_add(cosine, along);
+    let mean: [f32x8; 3] = std::array::from_fn(|axis| of_toward.mul_add(toward[axis], of_normal * normal[axis]));
+    let length = dot(&mean, &mean).fast_max(least).sqrt();
+    let mut factors = form.lookup(sine);
+    let scale = length / factors[1].fast_max(f32x8::splat(0.5));
+    factors.iter_mut().skip(1).for_each(|factor| *factor *= scale);
+    times_bands(&kernel::basis::<f32x8, N>(mean.map(|axis| axis / length)), &factors)
 }
 
 impl Radiating<'_> {

@@ -10,7 +10,7 @@ pub(crate) fn log_sum<const N: usize>(blockers: &Blockers<'_>, receivers: &Recei
     let mut sum = [f32x8::ZERO; N];
     for blocker in blockers.list {
         // A sphere that no lane sees adds 0 to all of them: leaving it out changes no bit.
-        if let Some(seen) = blocker.seen_from(receivers, blockers.rule) {
+        if let Some(seen) = blockers.hiding(blocker, receivers) {
             let scale = blocker.times_factors(blockers.table.lookup::<N>(seen.sin_squared));
             kernel::accumulate_lobe(seen.direction, &scale, &mut sum);
         }

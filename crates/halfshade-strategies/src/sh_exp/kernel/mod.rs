@@ -6,14 +6,16 @@
 pub(crate) mod blocker;
 pub(crate) mod gather;
 pub(crate) mod ground;
+pub(crate) mod lamps;
 pub(crate) mod light;
 pub(crate) mod log_sum;
+pub(crate) mod own;
 pub(crate) mod product;
 pub(crate) mod shares;
 pub(crate) mod sun;
 pub(crate) mod traced;
 
-pub(crate) use blocker::{Blocker, Blockers, Receivers8};
+pub(crate) use blocker::{Blocker, Blockers, OwnSpheres, Receivers8};
 
 use halfshade_sh::kernel::ShBatch;
 use wide::f32x8;

@@ -11,7 +11,7 @@ pub(crate) fn product<const N: usize>(blockers: &Blockers<'_>, receivers: &Recei
     let mut visibility = [f32x8::ZERO; N];
     visibility[0] = f32x8::splat(kernel::FULL);
     for blocker in blockers.list {
-        if let Some(seen) = blocker.seen_from(receivers, blockers.rule) {
+        if let Some(seen) = blockers.hiding(blocker, receivers) {
             let scale = blockers.table.lookup::<N>(seen.sin_squared);
             let mut minus_cap = [f32x8::ZERO; N];
             kernel::accumulate_lobe(seen.direction, &scale, &mut minus_cap);

@@ -28,7 +28,7 @@ impl Exposure {
     #[inline(never)]
     pub(crate) fn visibility<const N: usize>(&mut self, blockers: &Blockers<'_>, receivers: &Receivers8) -> ShBatch<N> {
         self.seen.clear();
-        self.seen.extend(blockers.list.iter().filter_map(|blocker| blocker.seen_from(receivers, blockers.rule)));
+        self.seen.extend(blockers.list.iter().filter_map(|blocker| blockers.hiding(blocker, receivers)));
         let turn = &self.turn;
         let caps = self.seen.iter().map(|seen| SphericalCap8 {
             direction: std::array::from_fn(|axis| {

@@ -4,7 +4,7 @@
 use super::{emitters, frame::FrameData, ground::GroundView};
 use crate::sh_exp::{
     bake::{Tables, reflections::ReflectionTables},
-    kernel::{Blockers, Receivers8, gather::Gather},
+    kernel::{Blockers, OwnSpheres, Receivers8, gather::Gather},
     prepare::cuts::{CutOf, Cuts},
     shade::{Shader, batches::radiating},
 };
@@ -17,7 +17,7 @@ const SAMPLE_POINT_CHUNK: usize = 256;
 
 /// Lets all spheres radiate, and objects without spheres if they are seen.
 pub(crate) fn run(tables: &Tables, reflections: &ReflectionTables, data: &mut FrameData, frame: &Frame<'_>) {
-    let channels = reflections.channels(data.light.by_normal.is_grey());
+    let channels = reflections.channels(data.is_grey());
     emitters::place(reflections, frame, &mut data.points);
     data.radiance = Default::default();
     let points_on_ground = |ground: &Option<GroundView>| ground.as_ref().map_or(0, |ground| ground.points.len());
@@ -68,9 +68,9 @@ fn scale_reflections<const N: usize>(
     let radiating = radiating(reflections, data);
     let mut gather = Gather::<N>::new(reflections.surfaces.len(), cuts.largest());
     cuts.set_reflection_ratios(|cluster, list| {
-        let blockers = Blockers { list, table: &reflections.table, rule: tables.rule };
+        let blockers = Blockers { list, table: &reflections.table, rule: tables.rule, own: OwnSpheres::default() };
         let (position, normal) = (cluster.place.map(f32x8::splat), cluster.normal.map(f32x8::splat));
-        gather.see(&blockers, &radiating, &Receivers8 { position, normal });
+        gather.see(&blockers, &radiating, &Receivers8 { position, normal, knows_own: f32x8::ZERO });
         gather.parts(&radiating, &normal)
     });
 }

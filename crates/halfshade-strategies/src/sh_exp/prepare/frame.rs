@@ -1,15 +1,19 @@
 //! Frame data: everything that shading reads of a frame.
 
 use super::{
-    cuts::Cuts, emitters::SamplePoints, ground::GroundView, light::FrameLight, placed::LightSpace, state::FrameState,
+    cuts::Cuts, emitters::SamplePoints, ground::GroundView, light::FrameLight, own::OwnView, placed::LightSpace,
+    state::FrameState,
 };
-use crate::sh_exp::kernel::gather::RadianceVectors;
+use crate::{sh_exp::kernel::gather::RadianceVectors, shared::placed_lamps::Lamp};
 use glam::DQuat;
+use halfshade_scene::light::is_grey;
 
 /// Spheres and light of a frame.
 #[derive(Debug)]
 pub(crate) struct FrameData {
     pub(crate) light: FrameLight,
+    /// Lights that are handled apart, in light space.
+    pub(crate) lamps: Vec<Lamp>,
     pub(crate) space: LightSpace,
     pub(crate) cuts: Cuts,
     /// How each sphere of every level has turned within its object since rest.
@@ -20,6 +24,8 @@ pub(crate) struct FrameData {
     pub(crate) points: SamplePoints,
     /// Objects without spheres as the others see them, if they are to be seen.
     pub(crate) ground: Option<GroundView>,
+    /// What objects hide from themselves, if that is known from their meshes.
+    pub(crate) own: OwnView,
     /// The state that all this was made for; `None` if it is not finished.
     pub(crate) state: Option<FrameState>,
 }
@@ -29,13 +35,20 @@ impl FrameData {
     pub(crate) fn new(light: FrameLight) -> Self {
         Self {
             light,
+            lamps: Vec::new(),
             space: LightSpace::default(),
             cuts: Cuts::default(),
             turns: Vec::new(),
             radiance: RadianceVectors::default(),
             points: SamplePoints::default(),
             ground: None,
+            own: OwnView::default(),
             state: None,
         }
+    }
+
+    /// Whether no light has a colour.
+    pub(crate) fn is_grey(&self) -> bool {
+        self.light.by_normal.is_grey() && self.lamps.iter().all(|lamp| is_grey(lamp.radiance))
     }
 }

@@ -8,13 +8,21 @@
 //! the exact irradiance. Constant light is a zonal function about the normal; a map is a sum over cells, tabulated over
 //! normals. All in the environment's own space. A window against ringing is folded in here, since (w V)·L = V·(w L).
 
-use crate::sh_exp::kernel::{
-    light::{BaseByNormal, DistantLightByNormal},
-    sun::SunLight,
+use super::placed::LightSpace;
+use crate::{
+    sh_exp::kernel::{
+        light::{BaseByNormal, DistantLightByNormal},
+        sun::SunLight,
+    },
+    shared::{
+        divided_light::divided,
+        placed_lamps::{Lamp, LampPlace},
+    },
 };
+use glam::Vec3;
 use halfshade_scene::{
-    Environment,
-    light::{DirectionalCells, DistantLight, EnvironmentMap, OctahedralGrid, is_grey},
+    Environment, Frame,
+    light::{DirectionalCells, DistantLight, EnvironmentMap, OctahedralGrid, Sun, is_grey},
 };
 use halfshade_sh::{basis, kernel::LANES, window::Window, zonal};
 use rayon::prelude::*;
@@ -26,6 +34,10 @@ use wide::f32x8;
 pub(crate) struct FrameLight {
     bands: usize,
     window: Window,
+    /// Most lamps that a map may have, if they and the sun are handled apart.
+    most_lamps: Option<usize>,
+    /// Small bright parts of the map that have been taken out of it.
+    lamps: Vec<Sun>,
     base: DistantLight,
     /// How often the light was made anew.
     pub(crate) changes: u32,
@@ -33,31 +45,62 @@ pub(crate) struct FrameLight {
 }
 
 impl FrameLight {
-    pub(crate) fn new(bands: usize, environment: &Environment, grid: OctahedralGrid, window: Window) -> Self {
+    /// `most_lamps` may be taken out of a map and handled apart, as the sun is then; `None`: all is projected.
+    pub(crate) fn new(
+        bands: usize,
+        environment: &Environment,
+        grid: OctahedralGrid,
+        window: Window,
+        most_lamps: Option<usize>,
+    ) -> Self {
         let cosine = (zonal::reflectance(bands).into_iter().enumerate())
             .map(|(l, value)| (value * window.factor(l, bands)) as f32)
             .collect();
-        let base = by_normal(&environment.base, bands, grid, window);
-        let sun = environment.sun.map(|sun| SunLight::new(bands, sun, window));
-        let by_normal = DistantLightByNormal { base, sun, cosine, grid };
-        Self { bands, window, base: environment.base.clone(), changes: 0, by_normal }
+        let base = environment.base.clone();
+        let by_normal = DistantLightByNormal { base: BaseByNormal::Constant(Vec3::ZERO), sun: None, cosine, grid };
+        let mut light = Self { bands, window, most_lamps, lamps: Vec::new(), base, changes: 0, by_normal };
+        light.make_base();
+        light.make_sun(environment.sun);
+        light
     }
 
     /// Makes the light anew where `environment` isn't that of the frame before.
     pub(crate) fn set(&mut self, environment: &Environment) {
-        let Self { bands, window, base, changes, by_normal: light } = self;
-        if !base.is_same_as(&environment.base) {
-            *base = environment.base.clone();
-            *changes += 1;
-            light.base = by_normal(base, *bands, light.grid, *window);
+        if !self.base.is_same_as(&environment.base) {
+            self.base = environment.base.clone();
+            self.changes += 1;
+            self.make_base();
         }
-        if !match (&light.sun, &environment.sun) {
+        let projected = environment.sun.filter(|_| self.most_lamps.is_none());
+        if !match (&self.by_normal.sun, &projected) {
             (Some(known), Some(sun)) => known.is_of(sun),
             (known, sun) => known.is_none() && sun.is_none(),
         } {
-            *changes += 1;
-            light.sun = environment.sun.map(|sun| SunLight::new(*bands, sun, *window));
+            self.changes += 1;
+            self.make_sun(projected);
         }
+    }
+
+    /// All lamps of a frame that aren't dark, in light space.
+    pub(crate) fn placed_lamps(&self, frame: &Frame<'_>, space: &LightSpace) -> Vec<Lamp> {
+        let near = frame.lights.iter().map(|light| {
+            let center = space.light_from_world(light.center.as_dvec3()).as_vec3().to_array();
+            Lamp { place: LampPlace::Near { center, radius: light.radius }, radiance: light.radiance }
+        });
+        let sun = frame.scene.environment.sun.filter(|_| self.most_lamps.is_some());
+        let suns = sun.iter().chain(&self.lamps).map(Lamp::far).collect::<Vec<_>>();
+        near.chain(suns).filter(|lamp| lamp.radiance != Vec3::ZERO).collect()
+    }
+
+    fn make_base(&mut self) {
+        let (lamps, rest) = divided(&self.base, self.most_lamps.unwrap_or(0));
+        self.lamps = lamps;
+        self.by_normal.base = by_normal(&rest, self.bands, self.by_normal.grid, self.window);
+    }
+
+    fn make_sun(&mut self, sun: Option<Sun>) {
+        let projected = sun.filter(|_| self.most_lamps.is_none());
+        self.by_normal.sun = projected.map(|sun| SunLight::new(self.bands, sun, self.window));
     }
 }
 

@@ -7,6 +7,7 @@ mod first_pass;
 pub(crate) mod frame;
 pub(crate) mod ground;
 pub(crate) mod light;
+pub(crate) mod own;
 pub(crate) mod placed;
 mod state;
 
@@ -15,6 +16,7 @@ use cuts::Cuts;
 use frame::FrameData;
 use halfshade_scene::Frame;
 use halfshade_strategy::StrategyError;
+use own::OwnView;
 use placed::PlacedSpheres;
 use state::FrameState;
 
@@ -47,10 +49,14 @@ pub(crate) fn prepare(
     }
     data.cuts = Cuts::new(frame, &spheres, &tables.clusters, tables.logs(), &tables.cut);
     data.space = spheres.space;
+    data.lamps = data.light.placed_lamps(frame, &data.space);
     if let Some(ground) = &tables.ground {
         data.ground.get_or_insert_default().look(ground, frame, data.space.center);
     }
     data.turns = spheres.turns;
+    if tables.own.is_some() {
+        data.own = OwnView::new(tables.bands, frame, spheres.own);
+    }
     if first_pass == FirstPass::Here
         && let Some(reflections) = &tables.reflections
     {

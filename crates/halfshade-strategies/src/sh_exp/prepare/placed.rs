@@ -3,7 +3,7 @@
 use crate::{
     sh_exp::{
         bake::hierarchy::{Hierarchies, Level},
-        kernel::Blocker,
+        kernel::{Blocker, OwnSpheres},
     },
     shared::{origin::origin_of, placed_spheres},
 };
@@ -30,6 +30,8 @@ pub(crate) struct PlacedSpheres {
     pub(crate) objects: Vec<PlacedObject>,
     /// How each sphere of every level has turned within its object since rest, in the order of the emitters.
     pub(crate) turns: Vec<DQuat>,
+    /// Numbers of the spheres of every object of the scene, of all levels.
+    pub(crate) own: Vec<OwnSpheres>,
     pub(crate) space: LightSpace,
 }
 
@@ -52,6 +54,7 @@ impl PlacedSpheres {
         let mut objects = Vec::new();
         let mut first = 0;
         let mut turns = Vec::new();
+        let mut own = vec![OwnSpheres::default(); frame.scene.objects.len()];
         for (number, (object, pose)) in frame.scene.objects.iter().zip(&frame.world_from_object).enumerate() {
             if object.sphere_count == 0 {
                 continue;
@@ -69,14 +72,17 @@ impl PlacedSpheres {
                 first += level.len() as u32;
                 first - level.len() as u32
             });
-            objects.push(PlacedObject { first: firsts.collect(), levels, spheres });
+            let firsts: Vec<u32> = firsts.collect();
+            let count = spheres.iter().map(|level| level.len() as u32).sum();
+            own[number] = OwnSpheres { first: firsts[0], count };
+            objects.push(PlacedObject { first: firsts, levels, spheres });
         }
         let leaves = objects.iter().flat_map(|object| &object.spheres[0]);
         let space = LightSpace::new(frame, origin_of(leaves.map(|(center, _)| *center)));
         for (place, _) in objects.iter_mut().flat_map(|object| &mut object.spheres).flatten() {
             *place = space.light_from_world(*place);
         }
-        Ok(Self { objects, turns, space })
+        Ok(Self { objects, turns, own, space })
     }
 }
 

@@ -1,7 +1,7 @@
 //! The state on which a frame's preparation depends, so that a frame in which nothing moved costs nothing.
 
 use glam::Quat;
-use halfshade_scene::{Environment, Frame, Placement, SphereSet};
+use halfshade_scene::{Environment, Frame, Placement, SphereLight, SphereSet};
 use std::sync::Arc;
 
 /// Objects, spheres and light of the frame that was prepared last.
@@ -11,6 +11,7 @@ pub(crate) struct FrameState {
     spheres: Vec<Option<Arc<SphereSet>>>,
     environment: Environment,
     world_from_environment: Quat,
+    lights: Vec<SphereLight>,
 }
 
 impl FrameState {
@@ -20,6 +21,7 @@ impl FrameState {
             spheres: frame.scene.objects.iter().map(|object| object.spheres.clone()).collect(),
             environment: frame.scene.environment.clone(),
             world_from_environment: frame.world_from_environment,
+            lights: frame.lights.clone(),
         }
     }
 
@@ -33,6 +35,7 @@ impl FrameState {
             && self.spheres.len() == objects.len()
             && self.spheres.iter().zip(objects).all(same_spheres)
             && self.world_from_environment == frame.world_from_environment
+            && self.lights == frame.lights
             && self.environment.is_same_as(environment)
     }
 }

@@ -3,10 +3,12 @@
 use crate::sh_exp::{
     bake::{Tables, Visibility, ground::GroundTables, reflections::ReflectionTables},
     kernel::{
-        Blocker, Blockers, Receivers8,
+        Blocker, Blockers, OwnSpheres, Receivers8,
         gather::{Gather, Radiating},
         ground::{GroundField, visible_reflectance},
+        lamps::LampViews,
         log_sum::log_sum,
+        own::OwnOcclusion,
         product::product,
         shares::Exposure,
         traced::Traced,
@@ -24,6 +26,7 @@ pub(super) struct Batches<'a, const N: usize> {
     finder: Finder<'a, N>,
     /// Where anything radiates: log blockers, and memory.
     reflections: Option<Reflected<'a, N>>,
+    lamps: LampViews,
     /// Rows of the rotation into light space.
     rotation: [f32x8; 9],
 }
@@ -63,11 +66,12 @@ impl<'a, const N: usize> Batches<'a, N> {
                 radiating: radiating(tables, data),
                 gather: Gather::new(tables.surfaces.len(), most),
             }),
+            lamps: LampViews::new(),
             rotation: data.space.rotation.transpose().to_cols_array().map(|value| f32x8::splat(value as f32)),
         }
     }
 
-    /// Shades receivers that see the same spheres, and lie on the same object if the ground is seen; `place` says where in
+    /// Shades receivers that see the same spheres, and lie on the same object if the ground or own occlusion is known; `place` says where in
     /// `out` each one belongs.
     pub(super) fn shade(
         &mut self,
@@ -77,7 +81,9 @@ impl<'a, const N: usize> Batches<'a, N> {
         place: impl Fn(usize) -> usize,
     ) {
         let Self { tables, data, .. } = *self;
-        let blockers = Blockers { list, table: &tables.blockers, rule: tables.rule };
+        let own = tables.own.as_ref().and_then(|own| OwnOcclusion::of(own, &data.own, *receivers.object.first()?));
+        let own_spheres = own.as_ref().map_or(OwnSpheres::default(), |own| own.spheres);
+        let blockers = Blockers { list, table: &tables.blockers, rule: tables.rule, own: own_spheres };
         for start in (0..receivers.len()).step_by(LANES) {
             let lanes = (receivers.len() - start).min(LANES);
             let load = |values: &[f32]| -> [f32; LANES] {
@@ -89,11 +95,23 @@ impl<'a, const N: usize> Batches<'a, N> {
                 f32x8::from(load(receivers.position[axis]).map(|x| (f64::from(x) - data.space.center[axis]) as f32))
             }));
             let normal = self.turn(receivers.normal.map(|axis| f32x8::from(load(axis))));
-            let eight = Receivers8 { position, normal };
-            let visibility = self.visibility(&blockers, &eight);
+            let surface = |k: usize| receivers.surface[start + k.min(lanes - 1)];
+            let past_own = own.as_ref().map(|own| own.visibility::<N>(surface));
+            let (knows_own, past_own) = past_own.unwrap_or((f32x8::ZERO, None));
+            let eight = Receivers8 { position, normal, knows_own };
+            let mut visibility = self.visibility(&blockers, &eight);
+            if let Some(past_own) = past_own {
+                visibility = kernel::product(&visibility, &past_own);
+                kernel::limit_to_visibility(&mut visibility);
+            }
             let mut radiance = data.light.by_normal.dot(&normal, &visibility, tables.clamp);
             self.add_ground(receivers.object[start], &eight, &visibility, &mut radiance);
             self.add_reflected(&eight, &mut radiance);
+            if !data.lamps.is_empty() {
+                let open = |direction: &[f32x8; 3]| own.as_ref().map_or(f32x8::ONE, |own| own.open(direction, surface));
+                let lit = self.lamps.radiance(&data.lamps, &blockers, &eight, open);
+                radiance.iter_mut().zip(lit).for_each(|(sum, value)| *sum += value);
+            }
             for (channel, values) in radiance.into_iter().enumerate() {
                 let values = (values * f32x8::from(load(receivers.albedo[channel]))).to_array();
                 for (lane, value) in values.into_iter().enumerate().take(lanes) {
@@ -131,7 +149,7 @@ impl<'a, const N: usize> Batches<'a, N> {
     fn add_ground(
         &self,
         object: u32,
-        Receivers8 { position, normal }: &Receivers8,
+        Receivers8 { position, normal, .. }: &Receivers8,
         visibility: &ShBatch<N>,
         radiance: &mut [f32x8; 3],
     ) {
@@ -177,6 +195,7 @@ pub(crate) fn radiating<'a>(reflections: &'a ReflectionTables, data: &'a FrameDa
     Radiating {
         vectors: &data.radiance,
         form: &reflections.form,
+        mean_normal: reflections.mean_normal.as_ref(),
         exponential: &reflections.exponential,
         cosine: &reflections.cosine,
         neighbours: &reflections.neighbours,

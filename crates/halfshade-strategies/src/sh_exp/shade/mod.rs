@@ -37,7 +37,7 @@ fn shade<const N: usize>(shader: Shader<'_>, receivers: Receivers<'_>, whose: Cu
     let cuts = &shader.data.cuts;
     let mut batches = Batches::<N>::new(shader.tables, shader.data);
     let Some(cut_of) = cuts.of(receivers, &shader.data.space, whose) else {
-        if shader.data.ground.is_none() {
+        if shader.data.ground.is_none() && shader.tables.own.is_none() {
             return batches.shade(receivers, cuts.cut(0), &mut out, |place| place);
         }
         let mut first = 0;

@@ -6,7 +6,6 @@ pub(crate) mod cube_cap;
 pub(crate) mod light_order;
 pub(crate) mod light_product;
 pub(crate) mod reconstruct;
-pub(crate) mod rotate;
 pub(crate) mod shell_coordinates;
 pub(crate) mod shell_grid;
 pub(crate) mod texels;

@@ -2,12 +2,13 @@
 
 use super::batch::Batch;
 use crate::shadow_field::{
-    kernel::{
-        reconstruct::{MOST, transposed},
-        rotate::{rotated, visible},
-    },
+    kernel::reconstruct::{MOST, transposed},
     prepare::sh::ShPrepared,
     settings::OwnOcclusion,
+};
+use crate::shared::{
+    rotate::{rotated, visible},
+    vertex_vectors::interpolated,
 };
 use glam::Vec3;
 use halfshade_sh::kernel::{LANES, ShBatch};
@@ -24,20 +25,12 @@ pub(crate) enum Own<const N: usize> {
 /// Own occlusion, interpolated between the vertices that the receivers lie between.
 pub(crate) fn own<const N: usize>(prepared: &ShPrepared<'_>, batch: &Batch<'_>) -> Own<N> {
     let object = &prepared.fields.objects[batch.object];
-    let mut vector = [[0.0_f32; LANES]; N];
-    let mut found = [0.0_f32; LANES];
-    for k in 0..LANES {
-        let Some(between) = batch.receivers.surface[batch.number(k)].weights_in_front(&object.mesh) else { continue };
-        for (vertex, weight) in between.parts() {
-            let values = &object.occlusion.own[vertex * N..];
-            vector.iter_mut().zip(values).for_each(|(row, &value)| row[k] += weight * value);
-        }
-        found[k] = 1.0;
-    }
-    let vector = rotated(&vector.map(f32x8::from), &prepared.frame.rotations[batch.object]);
+    let surface = |lane| batch.receivers.surface[batch.number(lane)];
+    let (vector, known) = interpolated(&object.mesh, &object.occlusion.own, surface);
+    let vector = rotated(&vector, &prepared.frame.rotations[batch.object]);
     match prepared.fields.own_kind {
         OwnOcclusion::Product => Own::Visible(visible(&vector)),
-        OwnOcclusion::Projected => Own::Transfer(vector, f32x8::from(found).simd_gt(f32x8::ZERO)),
+        OwnOcclusion::Projected => Own::Transfer(vector, known),
     }
 }
 

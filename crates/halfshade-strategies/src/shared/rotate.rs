@@ -1,7 +1,16 @@
 //! SH rotation from object space into light space, and visibility from occlusion.
 
-use halfshade_sh::kernel::{FULL, ShBatch};
+use halfshade_sh::{
+    kernel::{FULL, ShBatch},
+    rotation::ShRotation,
+};
 use wide::f32x8;
+
+/// The blocks of a rotation as [`rotated`] reads them.
+pub(crate) fn blocks(rotation: &ShRotation) -> Vec<f32> {
+    let rows = |l: usize| rotation.block(l).transpose().iter().map(|&value| value as f32).collect::<Vec<_>>();
+    (0..rotation.bands()).flat_map(rows).collect()
+}
 
 /// Eight vectors, turned band by band. `blocks` holds the block of each band row by row, one after another.
 #[inline(always)]
