@@ -67,7 +67,7 @@ pub struct OwnPoint {
 }
 
 impl BakedScene {
-    /// What stays from frame to frame.
+    /// Numbers that stay from frame to frame.
     pub fn scene_arrays(&self) -> SceneArrays {
         SceneArrays {
             rule: self.settings.rule.into(),

@@ -1,4 +1,4 @@
-//! What each mesh hides from its own vertices, by rays, once per scene.
+//! Directions that each mesh hides from its own vertices, by rays, once per scene.
 
 use crate::{
     mask::kernel::own::{OpenCells, cell_direction, words_of},

@@ -18,7 +18,7 @@ pub(crate) struct Shader<'a> {
     pub(crate) sets: &'a DirectionSets,
     /// Places on each lamp.
     pub(crate) spiral: &'a Spiral,
-    /// What each object's mesh hides from itself, if that is known.
+    /// Directions that each object's mesh hides from itself, if they are known.
     pub(crate) own: &'a [Option<Arc<OwnMesh>>],
     /// Irradiance of everything but lamps.
     pub(crate) rest: &'a Irradiance,
@@ -28,7 +28,7 @@ pub(crate) struct Shader<'a> {
 }
 
 impl Shader<'_> {
-    /// What a receiver's own object hides, if that is known of the place where it lies.
+    /// Directions that a receiver's own object hides, if they are known where it lies.
     pub(super) fn own_view(&self, receivers: &Receivers<'_>, i: usize) -> Option<OwnView<'_>> {
         let object = receivers.object[i] as usize;
         let own = self.own.get(object)?.as_ref()?;
