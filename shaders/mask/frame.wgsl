@@ -35,6 +35,6 @@ struct Frame {
 // Irradiance at the nodes; sets of directions, each a row of the mean sharpness and seven rows for every four directions: x, y, z,
 // sharpness, weights by channel; places on lamps, three rows for every four: part within, cosine and sine of the turn.
 @group(1) @binding(2) var<storage, read> tables: array<vec4f>;
-// Eight numbers for each receiver: the words at which cells of three vertices begin, their weights, whether they are known;
+// Eight numbers for each receiver: the words at which cells of three vertices begin, their weights, whether they are known, whether all is open;
 // then words of cells.
 @group(1) @binding(3) var<storage, read> cells: array<u32>;

@@ -9,18 +9,20 @@ struct OwnPoint {
     words: vec3u,
     weights: vec3f,
     is_known: bool,
+    // Nothing is in the way of any of its vertices, as far as is known.
+    is_all_open: bool,
 }
 
 fn own_point(number: u32) -> OwnPoint {
     let first = 8u * number;
     let words = vec3u(cells[first], cells[first + 1u], cells[first + 2u]);
     let weights = vec3u(cells[first + 3u], cells[first + 4u], cells[first + 5u]);
-    return OwnPoint(words, bitcast<vec3f>(weights), cells[first + 6u] != 0u);
+    return OwnPoint(words, bitcast<vec3f>(weights), cells[first + 6u] != 0u, cells[first + 7u] != 0u);
 }
 
 // How much of each of four directions is open; 1 where nothing is known.
 fn own_open(point: OwnPoint, object: u32, four: Four) -> vec4f {
-    if (!point.is_known) {
+    if (point.is_all_open) {
         return vec4f(1.0);
     }
     let turned = placements[object].direction;

@@ -108,10 +108,10 @@ impl BakedOnGpu {
         let first = (NUMBERS_PER_RECEIVER * points.len()) as u32;
         let mut cells: Vec<u32> = Vec::with_capacity(first as usize);
         for point in points {
-            let known = point.unwrap_or(OwnPoint { words: [0; 3], weights: [0.0; 3] });
+            let known = point.unwrap_or(OwnPoint { words: [0; 3], weights: [0.0; 3], is_all_open: true });
             cells.extend(known.words.map(|word| first + word));
             cells.extend(known.weights.map(f32::to_bits));
-            cells.extend([u32::from(point.is_some()), 0]);
+            cells.extend([u32::from(point.is_some()), u32::from(known.is_all_open)]);
         }
         cells.extend(self.baked.own_words());
         self.runner.write(CELLS, &cells)

@@ -152,7 +152,7 @@ pub(super) fn own(gpu: &Arc<Gpu>) -> Result<(), Failed> {
         expected.push((0..3).map(|vertex| weights[vertex] * bit(vertex)).sum());
     }
     let body = format!(
-        "let point = OwnPoint(vec3u(0u, 2u, 4u), vec3f(0.5, 0.3, 0.2), true);
+        "let point = OwnPoint(vec3u(0u, 2u, 4u), vec3f(0.5, 0.3, 0.2), true, false);
         output[0] = own_open(point, 0u, {FOUR});"
     );
     let shader = "mask/own.wgsl";

@@ -34,9 +34,20 @@ impl Shader<'_> {
         let own = self.own.get(object)?.as_ref()?;
         let weights = receivers.surface[i].weights_in_front(&own.mesh)?;
         let mut vertices = [(0, 0.0); 3];
+        let (mut open_weight, mut count) = (0.0, 0);
         for (place, (vertex, weight)) in vertices.iter_mut().zip(weights.parts()) {
-            *place = (vertex as u32, weight);
+            let is_open = own.cells.is_all_open(vertex);
+            if is_open {
+                open_weight += weight;
+            } else {
+                *place = (vertex as u32, weight);
+                count += 1;
+            }
         }
-        Some(OwnView { cells: &own.cells, vertices, object_from_light: *self.frame.object_from_light.get(object)? })
+        if count == 0 {
+            open_weight = 1.0;
+        }
+        let object_from_light = *self.frame.object_from_light.get(object)?;
+        Some(OwnView { cells: &own.cells, vertices, open_weight, object_from_light })
     }
 }
