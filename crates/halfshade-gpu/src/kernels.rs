@@ -302,8 +302,56 @@ pub const SHADOW_FIELD: Kernel = Kernel {
     buffers: &[RECEIVERS, &["frame", "rows", "samples", "tables"]],
 };
 
+/// Directions that blockers close.
+pub const MASK: Kernel = Kernel {
+    name: "mask",
+    shader: "mask/shade.wgsl",
+    twins: &[
+        TANGENT_PLANE,
+        OCTAHEDRAL,
+        CAP,
+        Twin {
+            shader: "mask/four.wgsl",
+            cpu: "halfshade_strategies::shared::vector",
+            tolerance: 1e-6,
+            reason: "rounding",
+        },
+        Twin {
+            shader: "mask/cap.wgsl",
+            cpu: "halfshade_strategies::mask::kernel::cap",
+            tolerance: 2e-5,
+            reason: "that of the tangent plane",
+        },
+        Twin {
+            shader: "mask/directions.wgsl",
+            cpu: "halfshade_strategies::mask::kernel::directions",
+            tolerance: 1e-4,
+            reason: "differences of cosines over the width of an edge",
+        },
+        Twin {
+            shader: "mask/own.wgsl",
+            cpu: "halfshade_strategies::mask::kernel::own",
+            tolerance: 1e-6,
+            reason: "rounding of weights; a direction between two cells may be decided otherwise",
+        },
+        Twin {
+            shader: "mask/boxes.wgsl",
+            cpu: "halfshade_strategies::mask::kernel::boxes",
+            tolerance: 0.0,
+            reason: "yes or no, but where a direction grazes an edge",
+        },
+        Twin {
+            shader: "mask/lamp.wgsl",
+            cpu: "halfshade_strategies::mask::kernel::lamp",
+            tolerance: 1e-3,
+            reason: "differences of unit directions over the width of an edge before a small lamp",
+        },
+    ],
+    buffers: &[RECEIVERS, &["frame", "rows", "tables", "cells"]],
+};
+
 /// All kernels.
-pub const KERNELS: &[Kernel] = &[UNSHADOWED, RAY_TRACED, SH_EXP, SH_EXP_EMIT, SHADOW_FIELD];
+pub const KERNELS: &[Kernel] = &[UNSHADOWED, RAY_TRACED, SH_EXP, SH_EXP_EMIT, SHADOW_FIELD, MASK];
 
 /// All that has none.
 pub const MISSING: &[Missing] = &[
@@ -315,4 +363,5 @@ pub const MISSING: &[Missing] = &[
     Missing { cpu: "halfshade_strategies::shadow_field::shade::haar", instead: "basis=sh or device `cpu`" },
     Missing { cpu: "halfshade_strategies::shadow_field::shade::traced", instead: "sampling=adaptive or device `cpu`" },
     Missing { cpu: "halfshade_strategies::cosine_lobe", instead: "device `cpu`" },
+    Missing { cpu: "halfshade_strategies::analytic", instead: "device `cpu`" },
 ];

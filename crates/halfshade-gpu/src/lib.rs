@@ -10,6 +10,7 @@ mod device;
 mod error;
 mod hierarchy;
 pub mod kernels;
+mod mask;
 mod pipeline;
 pub mod probe;
 mod ray_traced;
@@ -27,6 +28,7 @@ mod validation;
 pub use choice::Choice;
 pub use device::{AdapterFacts, Gpu, devices};
 pub use error::GpuError;
+pub use mask::MaskOnGpu;
 pub use ray_traced::RayTracedOnGpu;
 pub use sh_exp::ShExpOnGpu;
 pub use shadow_field::ShadowFieldOnGpu;
@@ -43,6 +45,7 @@ pub fn strategies(gpu: &Arc<Gpu>, cache: &Cache) -> Vec<Box<dyn Strategy>> {
         Box::new(UnshadowedOnGpu::new(bench.clone())),
         Box::new(RayTracedOnGpu::new(bench.clone())),
         Box::new(ShExpOnGpu::new(bench.clone())),
+        Box::new(MaskOnGpu::new(bench.clone())),
         Box::new(ShadowFieldOnGpu::new(bench, cache.clone())),
     ]
 }

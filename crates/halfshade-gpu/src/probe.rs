@@ -1,6 +1,7 @@
 //! Single functions of the shaders, called with rows of numbers: for tests that hold each twin to double precision.
 
 pub use crate::{
+    mask::FrameUniforms as MaskFrame,
     ray_traced::buffers::RayBuffers,
     sh_exp::{
         first_pass::{Emitter, Rounds},
@@ -47,18 +48,31 @@ pub struct Variable<'a> {
     binding: u32,
     name: &'a str,
     bytes: &'a [u8],
-    is_uniform: bool,
+    kind: Kind,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Uniform,
+    Array,
+    /// In `storage`.
+    Struct,
 }
 
 impl<'a> Variable<'a> {
     /// A struct in `uniform` memory.
     pub fn uniform<T: NoUninit>(binding: u32, name: &'a str, value: &'a T) -> Self {
-        Self { group: 1, binding, name, bytes: bytemuck::bytes_of(value), is_uniform: true }
+        Self { group: 1, binding, name, bytes: bytemuck::bytes_of(value), kind: Kind::Uniform }
     }
 
     /// An array in `storage` that is only read.
     pub fn storage<T: NoUninit>(binding: u32, name: &'a str, values: &'a [T]) -> Self {
-        Self { group: 1, binding, name, bytes: bytemuck::cast_slice(values), is_uniform: false }
+        Self { group: 1, binding, name, bytes: bytemuck::cast_slice(values), kind: Kind::Array }
+    }
+
+    /// A struct in `storage` that is only read, by the function that is called.
+    pub fn storage_struct<T: NoUninit>(binding: u32, name: &'a str, value: &'a T) -> Self {
+        Self { group: 1, binding, name, bytes: bytemuck::bytes_of(value), kind: Kind::Struct }
     }
 
     /// The same in another group than 1.
@@ -67,7 +81,7 @@ impl<'a> Variable<'a> {
     }
 
     fn buffer(&self, gpu: &Gpu) -> Result<DeviceBuffer, GpuError> {
-        if !self.is_uniform {
+        if self.kind != Kind::Uniform {
             return gpu.filled(self.name, self.bytes);
         }
         let buffer = gpu.uniforms(self.name, self.bytes.len() as u64)?;
@@ -77,7 +91,11 @@ impl<'a> Variable<'a> {
 
     /// A statement that uses it: a binding that nothing uses isn't there.
     fn use_of(&self) -> String {
-        if self.is_uniform { format!("_ = {};", self.name) } else { format!("_ = arrayLength(&{});", self.name) }
+        match self.kind {
+            Kind::Uniform => format!("_ = {};", self.name),
+            Kind::Array => format!("_ = arrayLength(&{});", self.name),
+            Kind::Struct => String::new(),
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Shaders without a device: every kernel is parsed and validated, and its structs lie as those of the Rust that fills them.
 
-use crate::{hierarchy::Node, kernels::KERNELS, ray_traced, receivers, sh_exp, shader, shadow_field, unshadowed};
+use crate::{hierarchy::Node, kernels::KERNELS, mask, ray_traced, receivers, sh_exp, shader, shadow_field, unshadowed};
 use halfshade_sh::wgsl::MAX_WGSL_BANDS;
 use naga::{
     Module, TypeInner,
@@ -239,4 +239,26 @@ fn structs_lie_in_rust_as_in_wgsl() {
         offset_of!(Fields, receivers),
     ];
     assert_eq!(layout(&module, "Frame"), (size_of::<Fields>(), fields));
+
+    let (module, _) = valid("mask", &shader::module("mask/shade.wgsl", None));
+    type Masks = mask::FrameUniforms;
+    let masks = vec![
+        offset_of!(Masks, constant),
+        offset_of!(Masks, grid_cells),
+        offset_of!(Masks, normal_cells),
+        offset_of!(Masks, edge),
+        offset_of!(Masks, lamp_directions),
+        offset_of!(Masks, sphere_count),
+        offset_of!(Masks, box_count),
+        offset_of!(Masks, lamp_count),
+        offset_of!(Masks, set_sixteens),
+        offset_of!(Masks, lamp_sixteens),
+        offset_of!(Masks, boxes),
+        offset_of!(Masks, lamps),
+        offset_of!(Masks, sets),
+        offset_of!(Masks, spiral),
+        offset_of!(Masks, own_side),
+        offset_of!(Masks, padding),
+    ];
+    assert_eq!(layout(&module, "Frame"), (size_of::<Masks>(), masks));
 }

@@ -196,7 +196,7 @@ fn cosine_lobe(p: &Params) -> Tolerances {
 fn mask() -> Tolerances {
     Tolerances {
         below: Ok(0.0),
-        // What is known of a map without its lamps and of the lamps, instead of the whole.
+        // The table of a map without its lamps and of the lamps, instead of the whole.
         above: Ok(0.02),
         rings: None,
         scaled: EXACT,

@@ -12,7 +12,7 @@ mod twins;
 
 use halfshade_gpu::{Choice, Gpu, strategies};
 use halfshade_scene::Cache;
-use halfshade_strategies::{RayTraced, ShExp, ShadowField, Unshadowed};
+use halfshade_strategies::{Mask, RayTraced, ShExp, ShadowField, Unshadowed};
 use halfshade_strategy::{
     Params, Strategy,
     contract::{self, Bounds, Violation},
@@ -65,6 +65,9 @@ const MORE_FIELDS: [&str; 5] = [
     "shells=6,inner=1,resolution=8,map=16,bands=2,storage=f32,own=projected",
     "shells=6,inner=1,resolution=8,map=16,bands=1,threshold=0.1,inside=blocked",
 ];
+
+/// Settings of `mask` that are held to the contract.
+const MASKS: [&str; 3] = ["", "directions=100,own=spheres,rule=covering", "directions=256,normals=0,rule=published"];
 
 /// Fields are traced once, however many tests ask for them: the folder is empty when the program starts.
 static CACHE: LazyLock<Cache> = LazyLock::new(|| {
@@ -159,6 +162,9 @@ fn subjects() -> Vec<(&'static str, &'static str, Bounds)> {
     // Four bands of everything, as on the CPU.
     let few_bands = Bounds { constant: 0.02, quadrature: 0.5, gloss: 3.0, rotation: 0.1, brightening: 0.2 };
     subjects.push(("shadow-field", FIELDS, few_bands));
+    // Directions don't turn with the scene.
+    let directions = Bounds { rotation: 0.15, brightening: 1e-4, ..table };
+    subjects.extend(MASKS.map(|settings| ("mask", settings, directions)));
     subjects
 }
 
@@ -189,6 +195,7 @@ fn cpu(name: &str) -> Box<dyn Strategy> {
     match name {
         "unshadowed" => Box::new(Unshadowed),
         "ray-traced" => Box::new(RayTraced),
+        "mask" => Box::new(Mask),
         "shadow-field" => Box::new(ShadowField::new(CACHE.clone())),
         _ => Box::new(ShExp),
     }

@@ -64,10 +64,12 @@ pub struct OwnPoint {
     pub words: [u32; 3],
     /// Weights of the vertices.
     pub weights: [f32; 3],
+    /// Whether nothing is in the way of any of them.
+    pub is_all_open: bool,
 }
 
 impl BakedScene {
-    /// What stays from frame to frame.
+    /// Numbers that stay from frame to frame.
     pub fn scene_arrays(&self) -> SceneArrays {
         SceneArrays {
             rule: self.settings.rule.into(),
@@ -143,10 +145,11 @@ impl BakedScene {
             let own = self.own.get(object)?.as_ref()?;
             let weights = receivers.surface[i].weights_in_front(&own.mesh)?;
             let per_vertex = super::kernel::own::words_of(own.cells.side) as u32;
-            let mut point = OwnPoint { words: [first_words[object]; 3], weights: [0.0; 3] };
+            let mut point = OwnPoint { words: [first_words[object]; 3], weights: [0.0; 3], is_all_open: true };
             for (k, (vertex, weight)) in weights.parts().enumerate() {
                 point.words[k] += per_vertex * vertex as u32;
                 point.weights[k] = weight;
+                point.is_all_open &= own.cells.is_all_open(vertex);
             }
             Some(point)
         };

@@ -13,7 +13,7 @@ pub(crate) struct LightSpace {
 }
 
 impl LightSpace {
-    /// Of a frame, about the middle of `points` of the world.
+    /// The space of a frame's light, about the middle of `points` of the world.
     pub(crate) fn new(frame: &Frame<'_>, points: impl IntoIterator<Item = DVec3>) -> Self {
         let rotation = DMat3::from_quat(frame.world_from_environment.as_dquat().normalize().conjugate());
         Self { rotation, origin: origin_of(points) }

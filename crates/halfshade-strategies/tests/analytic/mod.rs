@@ -36,7 +36,7 @@ fn one_sphere_under_a_constant_sky_is_exact() {
     }
 }
 
-/// Of a disc the part of the solid angle is exact; the cosine's differences within 30 degrees are left out.
+/// The part of a disc's solid angle is exact; the cosine's differences within 30 degrees are left out.
 #[test]
 fn one_sphere_before_a_disc_errs_by_the_cosine_alone() {
     let sphere = Sphere { center: Vec3::new(0.2, 1.0, -0.1), radius: 0.4 };

@@ -1,4 +1,4 @@
-//! What meshes hide from themselves and from each other, against the truth.
+//! Light that meshes hide from themselves and from each other, against the truth.
 
 use crate::common::shaded;
 use glam::Vec3;

@@ -67,7 +67,7 @@ fn one_sphere_takes_its_closed_form() {
     }
 }
 
-/// What nothing hides is all of the light; what is hidden lies between none and all of it, whatever a receiver is in.
+/// Light that nothing hides is all there; what is left of it lies between none and all of it, whatever a receiver is in.
 #[test]
 fn light_is_neither_made_nor_negative() {
     let receivers = receivers(60);

@@ -4,6 +4,7 @@ mod combinations;
 mod distant_light;
 mod fields;
 mod light;
+mod mask;
 mod rays;
 mod receivers;
 mod reflectance;
@@ -57,6 +58,12 @@ pub(super) const TESTS: &[(&str, Test)] = &[
     ("light", sampler::light),
     ("traverse", traverse::traverse),
     ("cutout", traverse::cutout),
+    ("mask_four", mask::four),
+    ("mask_cap", mask::cap),
+    ("mask_directions", mask::directions),
+    ("mask_boxes", mask::boxes),
+    ("mask_own", mask::own),
+    ("mask_lamp", mask::lamp),
 ];
 
 /// Calls per test.

@@ -1,4 +1,4 @@
-//! What each mesh hides from its own vertices, by rays, once per scene.
+//! Directions that each mesh hides from its own vertices, by rays, once per scene.
 
 use crate::{
     mask::kernel::own::{OpenCells, cell_direction, words_of},
@@ -40,14 +40,15 @@ fn open_cells(mesh: &Mesh, side: usize) -> OpenCells {
     let rays = TriangleRays::new(mesh);
     let directions: Vec<Vec3> = (0..side * side).map(|cell| cell_direction(side, cell)).collect();
     let per_vertex = words_of(side);
-    let mut words = vec![0; per_vertex * mesh.positions.len()];
+    // Open, too, is what no receiver between vertices looks into.
+    let mut words = vec![u32::MAX; per_vertex * mesh.positions.len()];
     words.par_chunks_mut(per_vertex).enumerate().for_each(|(vertex, words)| {
         let (position, normal) = (mesh.positions[vertex], mesh.normals[vertex]);
         let start = Start::on_surface(position, normal);
         for (cell, &direction) in directions.iter().enumerate() {
             let Some(direction) = above(direction, normal) else { continue };
-            if !rays.blocked(&start, direction, f32::INFINITY) {
-                words[cell / 32] |= 1 << (cell % 32);
+            if rays.blocked(&start, direction, f32::INFINITY) {
+                words[cell / 32] &= !(1 << (cell % 32));
             }
         }
     });

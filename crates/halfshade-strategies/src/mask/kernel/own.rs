@@ -23,8 +23,10 @@ pub(crate) struct OpenCells {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct OwnView<'a> {
     pub(crate) cells: &'a OpenCells,
-    /// Vertices and their weights.
+    /// Vertices and their weights; those that see everything count together.
     pub(crate) vertices: [(u32, f32); 3],
+    /// Weight of vertices that see everything.
+    pub(crate) open_weight: f32,
     /// Rows.
     pub(crate) object_from_light: [[f32; 3]; 3],
 }
@@ -32,6 +34,14 @@ pub(crate) struct OwnView<'a> {
 /// Words of the cells of one vertex.
 pub(crate) fn words_of(side: usize) -> usize {
     (side * side).div_ceil(WORD)
+}
+
+impl OpenCells {
+    /// Whether nothing is in the way of a vertex.
+    pub(crate) fn is_all_open(&self, vertex: usize) -> bool {
+        let per_vertex = words_of(self.side);
+        self.words[vertex * per_vertex..][..per_vertex].iter().all(|&word| word == u32::MAX)
+    }
 }
 
 /// Unit direction of the middle of a cell.
@@ -47,6 +57,9 @@ impl OwnView<'_> {
     /// How much of each of eight directions is open.
     #[inline(always)]
     pub(crate) fn open(&self, direction: &[f32x8; 3]) -> f32x8 {
+        if self.open_weight == 1.0 {
+            return f32x8::ONE;
+        }
         let rows = &self.object_from_light;
         let turned: [f32x8; 3] = std::array::from_fn(|k| {
             let [x, y, z] = rows[k].map(f32x8::splat);
@@ -54,7 +67,7 @@ impl OwnView<'_> {
         });
         let cells = cells_of(&turned, self.cells.side);
         let per_vertex = words_of(self.cells.side);
-        let mut open = f32x8::ZERO;
+        let mut open = f32x8::splat(self.open_weight);
         for (vertex, weight) in self.vertices {
             if weight == 0.0 {
                 continue;
@@ -106,7 +119,12 @@ mod tests {
         words[words_of(side)..2 * words_of(side)].fill(u32::MAX);
         let cells = OpenCells { side, words };
         let identity = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let view = OwnView { cells: &cells, vertices: [(0, 0.5), (1, 0.25), (2, 0.25)], object_from_light: identity };
+        let view = OwnView {
+            cells: &cells,
+            vertices: [(0, 0.5), (1, 0.25), (2, 0.25)],
+            open_weight: 0.0,
+            object_from_light: identity,
+        };
         assert_eq!(view.open(&[f32x8::ONE, f32x8::ZERO, f32x8::ZERO]), f32x8::splat(0.25));
     }
 }

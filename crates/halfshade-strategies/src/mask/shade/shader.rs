@@ -18,7 +18,7 @@ pub(crate) struct Shader<'a> {
     pub(crate) sets: &'a DirectionSets,
     /// Places on each lamp.
     pub(crate) spiral: &'a Spiral,
-    /// What each object's mesh hides from itself, if that is known.
+    /// Directions that each object's mesh hides from itself, if they are known.
     pub(crate) own: &'a [Option<Arc<OwnMesh>>],
     /// Irradiance of everything but lamps.
     pub(crate) rest: &'a Irradiance,
@@ -28,15 +28,26 @@ pub(crate) struct Shader<'a> {
 }
 
 impl Shader<'_> {
-    /// What a receiver's own object hides, if that is known of the place where it lies.
+    /// Directions that a receiver's own object hides, if they are known where it lies.
     pub(super) fn own_view(&self, receivers: &Receivers<'_>, i: usize) -> Option<OwnView<'_>> {
         let object = receivers.object[i] as usize;
         let own = self.own.get(object)?.as_ref()?;
         let weights = receivers.surface[i].weights_in_front(&own.mesh)?;
         let mut vertices = [(0, 0.0); 3];
+        let (mut open_weight, mut count) = (0.0, 0);
         for (place, (vertex, weight)) in vertices.iter_mut().zip(weights.parts()) {
-            *place = (vertex as u32, weight);
+            let is_open = own.cells.is_all_open(vertex);
+            if is_open {
+                open_weight += weight;
+            } else {
+                *place = (vertex as u32, weight);
+                count += 1;
+            }
         }
-        Some(OwnView { cells: &own.cells, vertices, object_from_light: *self.frame.object_from_light.get(object)? })
+        if count == 0 {
+            open_weight = 1.0;
+        }
+        let object_from_light = *self.frame.object_from_light.get(object)?;
+        Some(OwnView { cells: &own.cells, vertices, open_weight, object_from_light })
     }
 }

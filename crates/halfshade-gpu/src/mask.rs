@@ -1,0 +1,235 @@
+//! `mask` on the device: directions and what meshes hide from themselves stay there, spheres, boxes and lamps go up.
+
+use crate::{
+    GpuError,
+    kernels::MASK,
+    receivers::KernelSpace,
+    rows::row,
+    runner::{Bench, Runner, Uploaded},
+};
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+use halfshade_scene::{
+    Frame, Progress, Receivers, Scene,
+    light::DistantLight,
+    spheres::{AdjustRule, COVER_HEIGHT, FADE_HEIGHT},
+};
+use halfshade_strategies::{
+    Mask,
+    mask::{
+        BakedScene,
+        arrays::{FrameArrays, Lamp, LampPlace, OwnPoint, PlacedBox, SetArrays},
+    },
+};
+use halfshade_strategy::{Baked, Footprint, Info, Params, Prepared, Strategy, StrategyError};
+use std::f32::consts::PI;
+
+/// Places of the kernel's buffers in group 1.
+const ROWS: usize = 1;
+const TABLES: usize = 2;
+const CELLS: usize = 3;
+
+/// Numbers for each receiver at the beginning of the cells.
+const NUMBERS_PER_RECEIVER: usize = 8;
+
+/// [`Mask`], whose receivers are shaded on the device.
+#[derive(Debug)]
+pub struct MaskOnGpu {
+    bench: Bench,
+}
+
+/// Settings of a frame, as the shader reads them.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
+#[expect(missing_docs, reason = "fields are told of in `mask/frame.wgsl`")]
+pub struct FrameUniforms {
+    pub constant: [f32; 4],
+    pub grid_cells: f32,
+    pub normal_cells: f32,
+    pub edge: f32,
+    pub lamp_directions: f32,
+    pub sphere_count: u32,
+    pub box_count: u32,
+    pub lamp_count: u32,
+    pub set_sixteens: u32,
+    pub lamp_sixteens: u32,
+    pub boxes: u32,
+    pub lamps: u32,
+    pub sets: u32,
+    pub spiral: u32,
+    pub own_side: u32,
+    pub padding: [u32; 2],
+}
+
+struct BakedOnGpu {
+    baked: BakedScene,
+    runner: Runner,
+    uniforms: FrameUniforms,
+    /// Changes of the light, and directions into each lamp, for which tables are on the device.
+    tables_of: Option<(u32, usize)>,
+}
+
+impl MaskOnGpu {
+    pub(crate) fn new(bench: Bench) -> Self {
+        Self { bench }
+    }
+}
+
+impl Strategy for MaskOnGpu {
+    fn info(&self) -> Info {
+        Mask.info()
+    }
+
+    fn bake(&self, scene: &Scene, params: &Params, progress: &dyn Progress) -> Result<Box<dyn Baked>, StrategyError> {
+        let baked = Mask::bake_scene(scene, params, progress);
+        let arrays = baked.scene_arrays();
+        let (rule, full_height) = match arrays.rule {
+            AdjustRule::Continuous => (0.0, FADE_HEIGHT),
+            AdjustRule::Covering => (1.0, COVER_HEIGHT),
+            AdjustRule::Published => (2.0, 1.0),
+        };
+        let constants = [("RULE", rule), ("FULL_HEIGHT", full_height)];
+        let runner = Runner::new(&self.bench, &MASK, None, &constants, size_of::<FrameUniforms>())?;
+        let uniforms = FrameUniforms {
+            normal_cells: arrays.normal_cells as f32,
+            edge: arrays.edge,
+            own_side: arrays.own_side as u32,
+            ..FrameUniforms::default()
+        };
+        let mut baked = BakedOnGpu { baked, runner, uniforms, tables_of: None };
+        baked.write_cells(&[])?;
+        Ok(Box::new(baked))
+    }
+}
+
+impl BakedOnGpu {
+    /// Writes where receivers lie between vertices, and what meshes hide from those.
+    fn write_cells(&mut self, points: &[Option<OwnPoint>]) -> Result<(), GpuError> {
+        let first = (NUMBERS_PER_RECEIVER * points.len()) as u32;
+        let mut cells: Vec<u32> = Vec::with_capacity(first as usize);
+        for point in points {
+            let known = point.unwrap_or(OwnPoint { words: [0; 3], weights: [0.0; 3], is_all_open: true });
+            cells.extend(known.words.map(|word| first + word));
+            cells.extend(known.weights.map(f32::to_bits));
+            cells.extend([u32::from(point.is_some()), u32::from(known.is_all_open)]);
+        }
+        cells.extend(self.baked.own_words());
+        self.runner.write(CELLS, &cells)
+    }
+
+    /// Writes tables, if light or lamps are others than before.
+    fn write_tables(&mut self, light: (u32, usize), irradiance: &[[f32; 4]]) -> Result<(), GpuError> {
+        if self.tables_of == Some(light) {
+            return Ok(());
+        }
+        let mut rows = irradiance.to_vec();
+        self.uniforms.sets = rows.len() as u32;
+        for set in self.baked.sets() {
+            self.uniforms.set_sixteens = (set.directions.len() / 16) as u32;
+            rows.extend(rows_of_set(&set));
+        }
+        self.uniforms.spiral = rows.len() as u32;
+        let places = self.baked.lamp_places();
+        self.uniforms.lamp_sixteens = light.1.div_ceil(16) as u32;
+        for four in places.chunks(4) {
+            rows.extend((0..3).map(|k| std::array::from_fn::<f32, 4, _>(|lane| four[lane][k])));
+        }
+        self.runner.write(TABLES, &rows)?;
+        self.tables_of = Some(light);
+        Ok(())
+    }
+
+    fn prepare_on_device(&mut self, frame: &Frame<'_>) -> Result<(), StrategyError> {
+        let arrays = self.baked.frame_arrays(frame)?;
+        let space = space_of(&arrays);
+        let rows = rows_of_frame(&arrays, space.scale as f32);
+        let spheres = arrays.spheres.len() as u32;
+        let (boxes, lamps) = (arrays.boxes.len() as u32, arrays.lamps.len() as u32);
+        let light = (arrays.light_changes, arrays.lamp_directions);
+        let irradiance: Vec<[f32; 4]> = arrays.rest.table.iter().map(|value| row(*value, 0.0)).collect();
+        let (constant, grid_cells) = match &arrays.rest.base {
+            DistantLight::Constant(radiance) => (PI * *radiance, 0.0),
+            DistantLight::Map(_) => (Vec3::ZERO, arrays.rest.grid.cells() as f32),
+        };
+        self.write_tables(light, &irradiance)?;
+        self.uniforms = FrameUniforms {
+            constant: row(constant, 0.0),
+            grid_cells,
+            lamp_directions: light.1 as f32,
+            sphere_count: spheres,
+            box_count: boxes,
+            lamp_count: lamps,
+            boxes: 2 * spheres,
+            lamps: 2 * spheres + 5 * boxes,
+            ..self.uniforms
+        };
+        self.runner.write_uniforms(&self.uniforms);
+        self.runner.write(ROWS, &rows)?;
+        self.runner.place_objects(frame, &space)?;
+        self.runner.upload()?;
+        Ok(())
+    }
+}
+
+impl Baked for BakedOnGpu {
+    fn footprint(&self) -> Footprint {
+        let mut footprint = self.baked.footprint();
+        let [receivers, others] = self.runner.bytes();
+        footprint.parts.extend([("receivers on the device", receivers), ("tables and frame on the device", others)]);
+        footprint
+    }
+
+    fn place_receivers(&mut self, frame: &Frame<'_>, receivers: Receivers<'_>) -> Result<(), StrategyError> {
+        let points = self.baked.own_points(receivers);
+        self.write_cells(&points)?;
+        Ok(self.runner.place_receivers(frame, receivers, &|i| i as u32)?)
+    }
+
+    fn prepare(&mut self, frame: &Frame<'_>) -> Result<Box<dyn Prepared + '_>, StrategyError> {
+        self.prepare_on_device(frame)?;
+        Ok(Box::new(Uploaded(&self.runner)))
+    }
+}
+
+/// Light space, scaled so that everything has coordinates near 1.
+fn space_of(arrays: &FrameArrays<'_>) -> KernelSpace {
+    let reach = |center: [f32; 3], radius: f32| center.map(|x| x.abs() + radius).into_iter().fold(0.0, f32::max);
+    let spheres = arrays.spheres.iter().map(|sphere| reach(sphere.center, sphere.radius));
+    let boxes = arrays.boxes.iter().map(|placed| reach(placed.center, 0.0));
+    let lamps = arrays.lamps.iter().map(|lamp| match lamp.place {
+        LampPlace::Far { .. } => 0.0,
+        LampPlace::Near { center, .. } => reach(center, 0.0),
+    });
+    let extent = spheres.chain(boxes).chain(lamps).fold(0.0, f32::max);
+    KernelSpace::around(arrays.origin, arrays.rotation, f64::from(extent))
+}
+
+/// Spheres, boxes and lamps, as `mask/frame.wgsl` tells.
+fn rows_of_frame(arrays: &FrameArrays<'_>, scale: f32) -> Vec<[f32; 4]> {
+    let scaled = |point: [f32; 3]| scale * Vec3::from(point);
+    let mut rows = Vec::new();
+    for sphere in arrays.spheres {
+        rows.extend([row(scaled(sphere.center), scale * sphere.radius), [sphere.object as f32, 0.0, 0.0, 0.0]]);
+    }
+    for &PlacedBox { center, half, rotation, object } in arrays.boxes {
+        rows.extend([row(scaled(center), object as f32), row(scaled(half), 0.0)]);
+        rows.extend(rotation.map(|axis| row(axis.into(), 0.0)));
+    }
+    for &Lamp { place, radiance } in arrays.lamps {
+        rows.extend(match place {
+            LampPlace::Far { direction, sine } => [row(direction.into(), sine), row(radiance, 0.0)],
+            LampPlace::Near { center, radius } => [row(scaled(center), scale * radius), row(radiance, 1.0)],
+        });
+    }
+    rows
+}
+
+/// Directions four by four, as `mask/frame.wgsl` tells.
+fn rows_of_set(set: &SetArrays) -> Vec<[f32; 4]> {
+    let mut rows = vec![[set.mean_sharpness, 0.0, 0.0, 0.0]];
+    for four in set.directions.chunks(4) {
+        rows.extend((0..4).map(|k| std::array::from_fn::<f32, 4, _>(|lane| four[lane].0[k])));
+        rows.extend((0..3).map(|c| std::array::from_fn::<f32, 4, _>(|lane| four[lane].1[c])));
+    }
+    rows
+}
