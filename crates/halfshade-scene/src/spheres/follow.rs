@@ -262,6 +262,25 @@ mod tests {
         assert!(followed.iter().zip(&spheres).all(|(f, s)| f.sphere.radius < 1.8 * s.radius));
     }
 
+    /// Spheres that leave most of the surface bare go with it, and grow as it is stretched in the mean.
+    #[test]
+    fn spheres_that_do_not_bound_follow_too() {
+        let (mesh, mut spheres) = ring();
+        spheres.iter_mut().for_each(|sphere| sphere.radius = 0.2);
+        let binding = SphereBinding::new(&mesh, &spheres, SphereFit::Shadow);
+        // One sphere per piece suffices: nothing is cut down to the borders of spheres.
+        assert!(binding.bytes() < 400_000, "{}", binding.bytes());
+        let bend = |p: Vec3| Quat::from_rotation_x(0.3 * p.x) * (1.4 * p) + Vec3::Y;
+        let moved: Vec<Vec3> = mesh.positions.iter().map(|&p| bend(p)).collect();
+        for (followed, sphere) in binding.follow(&mesh.positions, &moved).iter().zip(&spheres) {
+            assert!(followed.sphere.center.distance(bend(sphere.center)) < 0.05, "{followed:?}");
+            assert!((followed.sphere.radius / (1.4 * sphere.radius) - 1.0).abs() < 0.03, "{followed:?}");
+        }
+        for (followed, sphere) in binding.follow(&mesh.positions, &mesh.positions).iter().zip(&spheres) {
+            assert_eq!(followed.sphere, *sphere);
+        }
+    }
+
     #[test]
     fn one_triangle_one_point_and_nothing() {
         let flat = Mesh {

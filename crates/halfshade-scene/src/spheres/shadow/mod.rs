@@ -5,7 +5,7 @@
 //! squares over the irradiance under constant light, and under lights of 30 degrees one by one ([`coverage`]). Spheres may
 //! stick out, and may leave parts bare.
 //!
-//! The search is Levenberg and Marquardt's ([`damped_step`]) from a set that bounds, its radii reduced. It ends in a local
+//! The search is Levenberg and Marquardt's \[Marquardt1963\] ([`damped_step`]) from a set that bounds, its radii reduced. It ends in a local
 //! minimum: where a sphere is missing altogether it brings none.
 
 mod coverage;
