@@ -80,9 +80,11 @@ impl NormalizedMesh {
     /// The spheres in single precision and the mesh's coordinates, grown until they bound the triangles as given.
     pub(super) fn bound(&self, fitted: Vec<DSphere>) -> SphereSet {
         let triangles = self.triangles_as_given();
+        // A mesh without area is fitted by points, one of which must grow to hold it.
+        let are_points = fitted.iter().all(|sphere| sphere.radius <= 0.0);
         let mut spheres: Vec<DSphere> = fitted
             .iter()
-            .filter(|sphere| sphere.radius > 0.0)
+            .filter(|sphere| sphere.radius > 0.0 || are_points)
             .map(|sphere| DSphere {
                 center: (sphere.center * self.extent + self.middle).as_vec3().as_dvec3(),
                 radius: f64::from(at_least(sphere.radius * self.extent)),

@@ -64,7 +64,7 @@ pub(super) fn receivers(mesh: &NormalizedMesh, seed: u64) -> Vec<Receiver> {
     places.extend(on_surface(mesh, &mut rng));
     let view = View::new(mesh);
     let turned: Vec<(Place, f64)> = places.into_iter().map(|place| (place, rng.random())).collect();
-    turned.into_par_iter().map(|(place, turn)| view.from_place(&place, turn)).collect()
+    turned.into_par_iter().map(|(place, turn)| view.receiver_at(&place, turn)).collect()
 }
 
 /// `count` evenly spread directions.
@@ -136,7 +136,7 @@ impl View {
 
     /// The receiver at a place, on the surface of that side from which more is seen: the other is within the object, or
     /// both are alike, whichever way the triangles are wound.
-    fn from_place(&self, place: &Place, turn: f64) -> Receiver {
+    fn receiver_at(&self, place: &Place, turn: f64) -> Receiver {
         let front = self.facing(place, place.normal, turn);
         if !place.is_on_surface {
             return front;
@@ -159,13 +159,13 @@ impl View {
         };
         let mut known = [None; CELLS];
         for (direction, share) in self.directions(place, normal, turn) {
-            let ray = Ray::new(place.position, direction);
-            let is_hidden = if place.is_on_surface {
+            let ray = if place.is_on_surface {
                 let lifted = place.position + 2.0 * SLACK * normal.abs().element_sum() * normal;
-                self.rays.any(&Ray::new(lifted, direction).leaving(normal, DVec3::splat(SLACK)), |_| true)
+                Ray::new(lifted, direction).leaving(normal, DVec3::splat(SLACK))
             } else {
-                self.rays.any(&ray, |_| true)
+                Ray::new(place.position, direction)
             };
+            let is_hidden = self.rays.any(&ray, |_| true);
             let nearness = |cell: &usize| self.cells[*cell].dot(direction);
             let cell = (0..CELLS).max_by(|a, b| nearness(a).total_cmp(&nearness(b))).unwrap_or(0);
             receiver.cell.push(*known[cell].get_or_insert_with(|| {
