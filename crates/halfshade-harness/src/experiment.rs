@@ -30,6 +30,7 @@
 //! name = "vases"                     # built-in, or a scene or mesh file relative to this file
 //! bounces = 1                        # diffuse bounces of light, if other than the scene's own
 //! spheres = 64                       # leaf spheres in all, shared out among the objects as the scene's own are
+//! fit = "shadow"                     # or "bounding": what all sphere sets are fitted to, if other than the scene's own
 //! camera = { eye = [0, 1, 4], target = [0, 0.5, 0], vertical_fov_degrees = 20 }   # another view, such as a close-up
 //! [[scene.published]]
 //! method = "Ren et al. pixel shader"
@@ -49,7 +50,7 @@ mod kinds;
 pub use kinds::{ReceiverKind, ReferenceKind};
 
 use crate::{Device, HarnessError, Weighting};
-use halfshade_scene::text;
+use halfshade_scene::{SphereFit, text};
 use serde::{Deserialize, Serialize};
 use std::{
     collections::BTreeMap,
@@ -135,6 +136,8 @@ pub struct SceneEntry {
     /// Leaf spheres in all, if other than the scene's; then the scene's name says so.
     #[serde(default, deserialize_with = "fields::sphere_count")]
     pub spheres: Option<NonZeroUsize>,
+    /// What all sphere sets are fitted to, if other than the scene's; then the scene's name says so.
+    pub fit: Option<SphereFit>,
     /// Published figures to stand beside ours.
     #[serde(default)]
     pub published: Vec<Published>,

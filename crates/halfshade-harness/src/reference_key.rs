@@ -77,6 +77,7 @@ fn of_object(key: CacheKey, object: &Object) -> CacheKey {
         material,
         // The spheres that were built are what counts.
         sphere_count: _,
+        fit: _,
         spheres,
         // For strategies.
         cluster_count: _,

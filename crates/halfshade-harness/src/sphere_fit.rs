@@ -1,16 +1,21 @@
-//! How good a shadow a sphere set casts: the error of its geometry alone.
+//! How good a shadow a sphere set casts, on the ground and on the object itself: the error of its geometry alone.
 //!
 //! The mesh stands on a ground plane through its lowest point, under constant light of radiance 1. Receivers are the
 //! centres of a grid of 64 by 64 cells on a square of 2.5 times the mesh's larger horizontal extent, about the middle of
 //! its bounding box. The figure is the RMSE between the truths of the mesh and of the sphere set, each sphere adjusted to
 //! each receiver as strategies do, relative to the unshadowed radiance, which is 1, and corrected for the noise of both.
 //!
+//! The same is told of light from a disc of 30 degrees, halfway up, and of constant light on the mesh's own vertices, where an
+//! object's spheres hide light from its own surface.
+//!
 //! Where an object rests on the ground, most of the error may lie in the few receivers under it, inside spheres that dip
 //! below the plane, and depend on the rule by which those are adjusted rather than on how well they fit.
 
 use crate::{errors::Reference, metrics::compare, weights::ReceiverWeights};
 use glam::Vec3;
-use halfshade_scene::{Environment, Mesh, Object, Progress, ReceiverBuffer, Scene, SphereSet, spheres::AdjustRule};
+use halfshade_scene::{
+    Environment, Mesh, Object, Progress, ReceiverBuffer, Scene, SphereSet, light::Sun, spheres::AdjustRule,
+};
 use halfshade_truth::{Estimate, Geometry, Options, Tracer, estimate};
 use std::sync::Arc;
 
@@ -20,6 +25,8 @@ pub const GRID: usize = 64;
 pub const SIDE: f32 = 2.5;
 /// Samples per receiver.
 const SAMPLES: usize = 512;
+/// Vertices of a mesh that are asked, about.
+const VERTICES: usize = 4_096;
 
 /// Geometry-only shadow error of `set`, which was built for `mesh`, under each of `rules`. `None` for a mesh without
 /// extent.
@@ -29,14 +36,36 @@ pub fn ground_shadow_errors<const N: usize>(
     rules: [AdjustRule; N],
     progress: &dyn Progress,
 ) -> Option<[f64; N]> {
+    errors(mesh, set, Environment::constant(Vec3::ONE), &ground(mesh)?, rules, progress)
+}
+
+/// The same under a disc of light instead of a sky, by the rule that is the default.
+pub fn disc_shadow_error(mesh: &Arc<Mesh>, set: &SphereSet, progress: &dyn Progress) -> Option<f64> {
+    let direction = Vec3::new(1.0, std::f32::consts::SQRT_2, 1.0).normalize();
+    let sun = Sun { direction, angular_radius: 15f32.to_radians(), radiance: Vec3::ONE };
+    let light = Environment { sun: Some(sun), ..Environment::constant(Vec3::ZERO) };
+    errors(mesh, set, light, &ground(mesh)?, [AdjustRule::default()], progress).map(|[error]| error)
+}
+
+/// Error of constant light on the mesh's own vertices, or of evenly many of them, by the rule that is the default.
+pub fn own_surface_error(mesh: &Arc<Mesh>, set: &SphereSet, progress: &dyn Progress) -> Option<f64> {
+    let mut receivers = ReceiverBuffer::default();
+    let vertices = mesh.positions.iter().zip(&mesh.normals);
+    for (position, normal) in vertices.step_by(mesh.positions.len().div_ceil(VERTICES).max(1)) {
+        receivers.push(*position, *normal, Vec3::ONE, 0);
+    }
+    let sky = Environment::constant(Vec3::ONE);
+    errors(mesh, set, sky, &receivers, [AdjustRule::default()], progress).map(|[error]| error)
+}
+
+/// The receivers of the ground under a mesh.
+fn ground(mesh: &Mesh) -> Option<ReceiverBuffer> {
     let (min, max) = mesh.bounds()?;
     let extent = max - min;
     let side = SIDE * extent.x.max(extent.z).max(1e-3 * extent.y);
     if !(side > 0.0 && side.is_finite()) {
         return None;
     }
-    let object = Object::new("mesh", mesh.clone()).spheres(set.clone());
-    let scene = Scene::at_rest("ground", vec![object], Environment::constant(Vec3::ONE));
     let mut receivers = ReceiverBuffer::default();
     let middle = 0.5 * (min + max);
     for i in 0..GRID * GRID {
@@ -44,6 +73,19 @@ pub fn ground_shadow_errors<const N: usize>(
         let position = Vec3::new(middle.x + along(i % GRID), min.y, middle.z + along(i / GRID));
         receivers.push(position, Vec3::Y, Vec3::ONE, 0);
     }
+    Some(receivers)
+}
+
+fn errors<const N: usize>(
+    mesh: &Arc<Mesh>,
+    set: &SphereSet,
+    light: Environment,
+    receivers: &ReceiverBuffer,
+    rules: [AdjustRule; N],
+    progress: &dyn Progress,
+) -> Option<[f64; N]> {
+    let object = Object::new("mesh", mesh.clone()).spheres(set.clone());
+    let scene = Scene::at_rest("one mesh", vec![object], light);
     let tracer = Tracer::new(&scene.frame(0));
     let shadow = |geometry, seed| {
         let options = Options { geometry, samples: SAMPLES, seed, ..Options::default() };
@@ -88,6 +130,11 @@ mod tests {
         let expected = (square / 4096.0).sqrt();
         let smaller = error(0.8);
         assert!((smaller / expected - 1.0).abs() < 0.05, "{smaller} against {expected}");
+        // A convex surface hides nothing from itself, nor do spheres below it, whatever their size.
+        let own = |radius| own_surface_error(&mesh, &set(radius), &Silent).unwrap();
+        assert!(own(1.0) < 4e-3 && own(0.8) < 4e-3);
+        let disc = |radius| disc_shadow_error(&mesh, &set(radius), &Silent).unwrap();
+        assert!(disc(1.0) < 8e-3 && disc(0.8) > 0.03, "{} {}", disc(1.0), disc(0.8));
     }
 
     /// A ball of radius 1 that dips 0.6 below the ground, as a mesh and as a sphere: who stands within the circle of

@@ -78,7 +78,7 @@ impl Frame<'_> {
         let mut now = self.scene.objects[object].clone();
         if let Some(deformed) = self.deformed(object) {
             if let Some(set) = &mut now.spheres {
-                let binding = SphereBinding::new(&now.mesh, &set.spheres);
+                let binding = SphereBinding::new(&now.mesh, &set.spheres, set.fit);
                 let followed = binding.follow(&now.mesh.positions, &deformed.positions);
                 Arc::make_mut(set).spheres = followed.into_iter().map(|followed| followed.sphere).collect();
             }

@@ -55,6 +55,6 @@ pub use receivers::{RadianceBuffer, RadianceMut, ReceiverBuffer, ReceiverPoint, 
 pub use reflectance::{LafortuneLobe, Reflectance};
 pub use scene::Scene;
 pub use skin::{Joint, Skin};
-pub use spheres::{Sphere, SphereSet};
+pub use spheres::{Sphere, SphereFit, SphereSet};
 pub use surface_point::{SurfacePoint, VertexWeights};
 pub use texture::Texture;

@@ -1,6 +1,6 @@
 //! An object of a scene: its surface, how it reflects, where it is, the spheres that stand for it.
 
-use crate::{Deformed, Gloss, GlossVariation, Material, Mesh, Motion, Pose, Skin, SphereSet, Texture};
+use crate::{Deformed, Gloss, GlossVariation, Material, Mesh, Motion, Pose, Skin, SphereFit, SphereSet, Texture};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
@@ -15,6 +15,8 @@ pub struct Object {
     pub material: Material,
     /// Number of leaf spheres that approximate it as a blocker; 0: it receives only.
     pub sphere_count: usize,
+    /// What they are fitted to.
+    pub fit: SphereFit,
     /// The sphere set in object space, once built (see [`crate::spheres`]); empty when `sphere_count` is 0.
     pub spheres: Option<Arc<SphereSet>>,
     /// Number of receiver clusters of its vertices ([Guerrero2007, 4.1]); 0: left to the strategy.
@@ -33,6 +35,7 @@ impl Object {
             mesh: mesh.into(),
             material: Material::default(),
             sphere_count: 0,
+            fit: SphereFit::Bounding,
             spheres: None,
             cluster_count: 0,
             motion: Motion::Still(Pose::IDENTITY),
@@ -55,10 +58,15 @@ impl Object {
         Self { sphere_count, ..self }
     }
 
-    /// Sets spheres that are built already, and their count.
+    /// Sets what spheres are fitted to when they are built.
+    pub fn fit(self, fit: SphereFit) -> Self {
+        Self { fit, ..self }
+    }
+
+    /// Sets spheres that are built already, their count and fit.
     pub fn spheres(self, spheres: impl Into<Arc<SphereSet>>) -> Self {
         let spheres = spheres.into();
-        Self { sphere_count: spheres.spheres.len(), spheres: Some(spheres), ..self }
+        Self { sphere_count: spheres.spheres.len(), fit: spheres.fit, spheres: Some(spheres), ..self }
     }
 
     /// Sets the number of receiver clusters.

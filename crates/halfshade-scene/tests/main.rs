@@ -7,3 +7,5 @@ mod mesh_files;
 mod picture_files;
 mod probe_files;
 mod real_input;
+mod sphere_errors;
+mod sphere_fits;

@@ -200,9 +200,21 @@ pub struct SpheresArguments {
     /// How many spheres, at most 2000.
     #[arg(short = 'n', long, value_name = "COUNT", value_parser = sphere_count)]
     pub count: usize,
+    /// What the spheres are fitted to.
+    #[arg(long, value_enum, default_value_t = FitChoice::Bounding)]
+    pub fit: FitChoice,
     /// Write the set as JSON.
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
+}
+
+/// Aims of sphere sets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum FitChoice {
+    /// Every point of the surface in a sphere, with little volume outside.
+    Bounding,
+    /// As much light as the mesh leaves, on the ground and on the object.
+    Shadow,
 }
 
 /// Arguments of `list`.

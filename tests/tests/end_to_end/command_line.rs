@@ -320,7 +320,8 @@ fn bounces_reach_truth_strategies_and_results_and_mistakes_name_their_line() {
     assert!(refused(halfshade(here.path()).args(flat)).contains("can't model interreflection"));
     assert!(refused(halfshade(here.path()).args(["truth", "one-sphere", "--bounces", "99"])).contains("at most"));
 
-    let bounced = SMALL.replace("name = \"one-sphere\"", "name = \"one-sphere\"\nbounces = 1\nspheres = 2")
+    let bounced = SMALL
+        .replace("name = \"one-sphere\"", "name = \"one-sphere\"\nbounces = 1\nspheres = 2\nfit = \"shadow\"")
         + "[[strategy]]\nname = \"sh-exp\"\n";
     write(here.path(), "bounced.toml", &bounced);
     stdout(halfshade(here.path()).args(["run", "bounced.toml"]));
@@ -328,7 +329,7 @@ fn bounces_reach_truth_strategies_and_results_and_mistakes_name_their_line() {
     let runs = json["runs"].as_array().unwrap();
     let of = |strategy: &str| runs.iter().find(|run| run["strategy"] == strategy).unwrap();
     assert_eq!(of("sh-exp")["error"]["transport"], "bounces=1");
-    assert_eq!(of("sh-exp")["scene"], "one-sphere, 2 spheres");
+    assert_eq!(of("sh-exp")["scene"], "one-sphere, 2 spheres, fitted to shadows");
     assert_eq!(of("unshadowed")["status"], "unsupported");
     for (line, problem) in [
         ("bounces = 99", "at most"),

@@ -115,6 +115,27 @@ fn sixty_four_spheres_fit_the_bunny_better_still() {
 }
 
 #[test]
+fn spheres_fitted_to_shadows_err_less_and_tell_what_they_miss() {
+    let Some(assets) = assets() else { return };
+    let here = folder();
+    let mesh = assets.join("meshes/spot.obj").canonicalize().expect("spot.obj");
+    let figures = |fit: &str| {
+        let arguments = ["-n", "12", "--fit", fit, "-o", "set.json"];
+        let text = stdout(halfshade(here.path()).arg("spheres").arg(&mesh).args(arguments));
+        let set: serde_json::Value =
+            serde_json::from_str(&fs::read_to_string(here.path().join("set.json")).expect("read")).expect("JSON");
+        assert_eq!(set["fit"], fit);
+        ["missing_volume_fraction", "outside_volume_fraction", "disc_shadow_error", "own_surface_error"].map(|key| {
+            assert!(text.contains(&format!("{key}: 0.")), "{key}: {text}");
+            set[key].as_f64().expect("a number")
+        })
+    };
+    let (bounding, shadow) = (figures("bounding"), figures("shadow"));
+    assert!(bounding[0] == 0.0 && shadow[0] > 0.0 && shadow[1] < bounding[1], "{bounding:?} {shadow:?}");
+    assert!(shadow[2] < bounding[2] && shadow[3] < bounding[3], "{bounding:?} {shadow:?}");
+}
+
+#[test]
 fn a_sphere_set_is_written_in_the_coordinates_of_its_mesh() {
     let Some(assets) = assets() else { return };
     let here = folder();

@@ -7,7 +7,7 @@ use crate::{
     scene_source::{self, MeshLight},
 };
 use glam::Vec3;
-use halfshade_scene::{Camera, InputFile, Scene, input, scene::MAX_BOUNCES, spheres::MAX_SPHERES};
+use halfshade_scene::{Camera, InputFile, Scene, SphereFit, input, scene::MAX_BOUNCES, spheres::MAX_SPHERES};
 use std::path::Path;
 
 const BAD_VIEW: &str = "camera: eye and target must be finite and apart, vertical_fov_degrees between 0 and 180";
@@ -31,6 +31,16 @@ fn share_out_spheres(scene: &mut Scene, count: usize) {
         given += object.sphere_count;
     }
     scene.name = format!("{}, {count} spheres", scene.name);
+}
+
+/// Fits all sphere sets to `fit`.
+fn fit_spheres(scene: &mut Scene, fit: SphereFit) {
+    scene.objects.iter_mut().for_each(|object| object.fit = fit);
+    let fitted = match fit {
+        SphereFit::Bounding => "bounding",
+        SphereFit::Shadow => "fitted to shadows",
+    };
+    scene.name = format!("{}, {fitted}", scene.name);
 }
 
 /// A scene of a plan.
@@ -88,7 +98,7 @@ pub(super) fn scenes(experiment: &Experiment, quick: bool) -> Result<Loaded, Har
     Ok(Loaded { scenes, inputs: inputs::relative_to(folder, inputs) })
 }
 
-/// Gives `scene` the name, bounces, view and spheres that its entry asks for.
+/// Gives `scene` the name, bounces, view, spheres and their fit that its entry asks for.
 fn change(scene: &mut Scene, entry: &SceneEntry, experiment: &Experiment) -> Result<(), HarnessError> {
     if let Some(light) = &entry.environment {
         let light = light.rsplit(['/', '\\']).next().unwrap_or(light);
@@ -115,6 +125,9 @@ fn change(scene: &mut Scene, entry: &SceneEntry, experiment: &Experiment) -> Res
             return Err(experiment.error_at(entry.name.span().start, problem));
         }
     }
+    if let Some(fit) = entry.fit {
+        fit_spheres(scene, fit);
+    }
     Ok(())
 }
 
@@ -134,6 +147,10 @@ mod tests {
             let pairs = counts(&scene).into_iter().zip(counts(&changed));
             assert!(pairs.clone().all(|(before, after)| (before == 0) == (after == 0)), "{pairs:?}");
         }
+        let mut fitted = scene.clone();
+        fit_spheres(&mut fitted, SphereFit::Shadow);
+        assert!(fitted.objects.iter().all(|object| object.fit == SphereFit::Shadow));
+        assert_eq!(fitted.name, "vases, fitted to shadows");
         let mut same = scene.clone();
         share_out_spheres(&mut same, 20);
         assert_eq!((counts(&same), same.name.as_str()), (counts(&scene), "vases, 20 spheres"));

@@ -173,6 +173,7 @@ fn object(
             0..=MAX_SPHERES as i64,
             if is_plane { 0 } else { DEFAULT_SPHERE_COUNT },
         )?,
+        fit: table.fit.unwrap_or_default(),
         cluster_count: whole(source, "clusters", table.clusters, 0..=MAX_CLUSTERS, 0)?,
         skin,
         ..Object::new(table.name.unwrap_or(default_name), mesh).material(material).motion(motion)

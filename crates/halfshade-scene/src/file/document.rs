@@ -35,6 +35,7 @@ pub(super) struct ObjectTable {
     pub(super) albedo_texture: At<String>,
     pub(super) reflectance: At<ReflectanceTable>,
     pub(super) spheres: At<i64>,
+    pub(super) fit: Option<crate::SphereFit>,
     pub(super) clusters: At<i64>,
     pub(super) translate: At<[f32; 3]>,
     pub(super) rotate: At<[f32; 4]>,

@@ -6,7 +6,7 @@ use super::points::{inner_points, surface_points};
 use super::polish::{Polish, cover_points, tighten};
 use super::solid::Solid;
 use super::variational::Target;
-use super::{DSphere, Sphere, SphereSet};
+use super::{DSphere, Sphere, SphereFit, SphereSet, shadow};
 use crate::cache::CacheKey;
 use crate::{Cache, CacheOutcome, Mesh, Progress, SceneError};
 use glam::DVec3;
@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 /// Raise whenever the same mesh and options would give another set.
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 /// Surface points to which spheres are fitted, at most.
 const SURFACE_POINTS: usize = 6_000;
 /// Rounds of tightening, each with the points that the one before left uncovered.
@@ -37,6 +37,8 @@ pub const MAX_SPHERES: usize = SURFACE_POINTS / 3;
 /// Options of fitting a sphere set.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct BuildOptions {
+    /// What the spheres are fitted to.
+    pub fit: SphereFit,
     /// Seed of every random choice: the same seed gives the same bits on one thread or many.
     pub seed: u64,
     /// Independent starts, of which the best is kept; at least 1.
@@ -52,12 +54,12 @@ pub struct BuildOptions {
 
 impl Default for BuildOptions {
     fn default() -> Self {
-        Self { seed: 1, restarts: 4, teleports: 10, polish: true, jumps: 40 }
+        Self { fit: SphereFit::Bounding, seed: 1, restarts: 4, teleports: 10, polish: true, jumps: 40 }
     }
 }
 
 impl SphereSet {
-    /// Fits `count` spheres that bound `mesh` with little volume outside of it.
+    /// Fits `count` spheres that bound `mesh` with little volume outside of it, or, from there, hide what it hides.
     ///
     /// Fewer spheres result only where the mesh is too simple to need them. A mesh that isn't closed is filled where the
     /// lines of three directions agree that it has an inside; one that encloses nothing is covered as a shell. Both
@@ -78,8 +80,14 @@ impl SphereSet {
         build.measure(&mut sets);
         // The polish sees lines of one direction and samples: where it is wrong by that, the published set stays.
         let less = |a: &SphereSet, b: &SphereSet| a.outside_volume_fraction.total_cmp(&b.outside_volume_fraction);
-        let set = sets.into_iter().min_by(less).unwrap_or_default();
-        Ok(Self { notes: build.notes, ..set })
+        let mut set = sets.into_iter().min_by(less).unwrap_or_default();
+        if options.fit == SphereFit::Shadow {
+            let bounding = build.mesh.normalized(&set.spheres);
+            let mut fitted = [build.mesh.placed(&shadow::fit(&build.mesh, &bounding, options.seed, progress))];
+            build.measure(&mut fitted);
+            [set] = fitted;
+        }
+        Ok(Self { notes: build.notes, fit: options.fit, ..set })
     }
 
     /// [`SphereSet::build`], or its result for the same mesh, count and options.
@@ -268,20 +276,27 @@ impl<'a> Build<'a> {
         }
     }
 
-    /// Estimates the outside volume of each set by lines along each axis.
+    /// Estimates the outside and the missing volume of each set by lines along each axis.
     fn measure(&self, sets: &mut [SphereSet]) {
-        let estimates: Vec<Vec<f64>> = (0..3usize)
+        let estimates: Vec<Vec<[f64; 2]>> = (0..3usize)
             .into_par_iter()
             .map(|axis| {
                 let corners = if self.is_shell { &[] } else { self.mesh.corners.as_slice() };
                 let columns = Solid::new(corners, axis, MEASURE_STEP).columns;
                 let whole = if self.is_shell { sphere_volume(0.5 * self.mesh.extent()) } else { columns.volume() };
-                sets.iter().map(|set| columns.union_outside(&self.mesh.normalized(&set.spheres)) / whole).collect()
+                let volume = columns.volume();
+                let of_set = |set: &SphereSet| {
+                    let [outside, inside] = columns.union_parts(&self.mesh.normalized(&set.spheres));
+                    [outside / whole, (volume - inside).max(0.0) / whole]
+                };
+                sets.iter().map(of_set).collect()
             })
             .collect();
         for (k, set) in sets.iter_mut().enumerate() {
-            let (low, high) = estimates.iter().fold((f64::INFINITY, 0.0f64), |(l, h), e| (l.min(e[k]), h.max(e[k])));
-            set.outside_volume_fraction = estimates.iter().map(|e| e[k]).sum::<f64>() / 3.0;
+            let (low, high) =
+                estimates.iter().fold((f64::INFINITY, 0.0f64), |(l, h), e| (l.min(e[k][0]), h.max(e[k][0])));
+            let mean = |part: usize| estimates.iter().map(|e| e[k][part]).sum::<f64>() / 3.0;
+            (set.outside_volume_fraction, set.missing_volume_fraction) = (mean(0), mean(1));
             set.outside_volume_error = 0.5 * (high - low);
         }
     }

@@ -19,16 +19,24 @@ const FEW: usize = 6;
 /// An upper bound of the distance by which the triangles reach outside every sphere; 0 if the spheres bound them. Exceeds
 /// the true distance by at most `tolerance`.
 pub(super) fn violation(triangles: &[Triangle], spheres: &[DSphere], tolerance: f64) -> f64 {
-    let of_triangle = |triangle: &Triangle| {
+    let least = |part: &Triangle, spheres: &[DSphere]| {
+        spheres.iter().map(|sphere| sphere.missing(part)).fold(f64::INFINITY, f64::min)
+    };
+    // Corners tell how far the triangles reach at least. Beyond that little is left to be cut, also of a set that leaves
+    // much bare. Maxima do not depend on the order, so that threads change no bit.
+    let of_corners =
+        |triangle: &Triangle| triangle.map(|corner| least(&[corner; 3], spheres)).into_iter().fold(0.0, f64::max);
+    let known = triangles.par_iter().map(of_corners).reduce(|| 0.0, f64::max);
+    let grown: Vec<DSphere> = spheres.iter().map(|s| DSphere { radius: s.radius + known, ..*s }).collect();
+    let beyond = |triangle: &Triangle| {
         let mut largest = 0.0f64;
-        each_leaf(triangle, &|k| spheres[k], candidates(triangle, spheres), tolerance, |leaf, near| {
-            let missing = near.iter().map(|&k| spheres[k as usize].missing(leaf)).fold(f64::INFINITY, f64::min);
+        each_leaf(triangle, &|k| grown[k], candidates(triangle, &grown), tolerance, |leaf, near| {
+            let missing = near.iter().map(|&k| grown[k as usize].missing(leaf)).fold(f64::INFINITY, f64::min);
             largest = largest.max(missing);
         });
         largest
     };
-    // The maximum does not depend on the order, so that threads change no bit.
-    triangles.par_iter().map(of_triangle).reduce(|| 0.0, f64::max)
+    known + triangles.par_iter().map(beyond).reduce(|| 0.0, f64::max)
 }
 
 /// Corners of the pieces of triangles, no longer than `tolerance`, that no single sphere holds and that stick out.
@@ -201,6 +209,10 @@ mod tests {
         let mut spheres = [-1.0, 1.0].map(|x| DSphere { center: DVec3::new(x, 0.0, 0.0), radius: 0.9 });
         let found = violation(&[triangle], &spheres, 1e-4);
         assert!((0.1 - 1e-12..0.1 + 1e-4).contains(&found), "the middle lies 1 away from both: {found}");
+        // Known from the corners already, and only the middle beyond them.
+        let far = spheres.map(|sphere| DSphere { radius: 0.3, center: 0.5 * sphere.center });
+        let found = violation(&[triangle], &far, 1e-4);
+        assert!((0.2..0.2 + 1e-4).contains(&found), "the ends lie 0.5 away from a centre: {found}");
         let growth = grow_to_cover(&[triangle], &mut spheres, 1e-4, |r| r);
         assert!(growth < 0.1 + 1e-3 && violation(&[triangle], &spheres, 1e-4) == 0.0, "{growth}");
         assert!(!uncovered_points(&[triangle], &spheres.map(|b| DSphere { radius: 0.9, ..b }), 1e-2).is_empty());

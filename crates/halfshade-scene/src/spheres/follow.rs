@@ -4,14 +4,15 @@
 //! one sphere. When the surface deforms,
 //! - the sphere moves with the similarity that carries its part there best in the sense of least squares, the rotation of
 //!   \[Horn1987\] (an eigenvector of a symmetric 4×4 matrix: always a rotation, also of a flat part);
-//! - its radius grows or shrinks with the distance of the part's farthest point, so that the set goes on bounding the
-//!   surface: a piece moves as its triangle does and stays within the hull of its corners.
+//! - its radius grows or shrinks, in a set that bounds, with the distance of the part's farthest point, so that it goes on
+//!   bounding the surface: a piece moves as its triangle does and stays within the hull of its corners. In a set that was
+//!   fitted to shadows, which leaves parts bare, with the root mean square of the distances from the part's middle.
 //!
 //! A sphere in which no piece lies deepest follows the vertices nearest to its centre, and its radius their scale.
 //!
 //! At rest the sphere is what it was, to the bit. [Guerrero2007, 4.3.4] leaves deforming objects open.
 
-use super::Sphere;
+use super::{Sphere, SphereFit};
 use crate::Mesh;
 use glam::{DMat3, DQuat, DVec3, Vec3};
 use nalgebra::{Matrix4, SymmetricEigen};
@@ -20,6 +21,9 @@ use std::collections::HashSet;
 
 /// Most halvings of a triangle; what then still lies in no single sphere goes to the nearest.
 const MOST_CUTS: u32 = 12;
+
+/// Edges up to which triangles are cut that no sphere of a set holds that needn't bound, in radii of the nearest.
+const COARSE: f64 = 0.5;
 
 /// Vertices that a sphere follows which holds no part of the surface.
 const NEAREST: usize = 32;
@@ -30,6 +34,7 @@ type BarycentricPoint = ([u32; 3], Vec3);
 /// Spheres bound to a mesh.
 #[derive(Debug, Clone)]
 pub struct SphereBinding {
+    fit: SphereFit,
     bound: Vec<BoundSphere>,
 }
 
@@ -53,13 +58,13 @@ pub struct Followed {
 }
 
 impl SphereBinding {
-    /// Binds `spheres`, which bound `mesh` at rest.
-    pub fn new(mesh: &Mesh, spheres: &[Sphere]) -> Self {
+    /// Binds `spheres`, which were fitted to `mesh` at rest.
+    pub fn new(mesh: &Mesh, spheres: &[Sphere], fit: SphereFit) -> Self {
         let mut corners: Vec<Vec<BarycentricPoint>> = vec![Vec::new(); spheres.len()];
         let mut whole: HashSet<(usize, u32)> = HashSet::new();
         if !spheres.is_empty() {
             for triangle in &mesh.triangles {
-                divide(mesh, spheres, *triangle, [Vec3::X, Vec3::Y, Vec3::Z], 0, &mut |sphere, weights| {
+                divide(mesh, (spheres, fit), *triangle, [Vec3::X, Vec3::Y, Vec3::Z], 0, &mut |sphere, weights| {
                     // A vertex of many triangles counts once.
                     let vertex = weights.to_array().iter().position(|&weight| weight == 1.0);
                     if vertex.is_none_or(|vertex| whole.insert((sphere, triangle[vertex]))) {
@@ -80,12 +85,12 @@ impl SphereBinding {
                 BoundSphere { sphere, corners, mean, reach }
             })
             .collect();
-        Self { bound }
+        Self { fit, bound }
     }
 
     /// The spheres when the mesh's vertices are at `positions` instead of `rest`.
     pub fn follow(&self, rest: &[Vec3], positions: &[Vec3]) -> Vec<Followed> {
-        self.bound.par_iter().map(|bound| bound.follow(rest, positions)).collect()
+        self.bound.par_iter().map(|bound| bound.follow(self.fit, rest, positions)).collect()
     }
 
     /// Memory that it takes.
@@ -95,7 +100,7 @@ impl SphereBinding {
 }
 
 impl BoundSphere {
-    fn follow(&self, rest: &[Vec3], positions: &[Vec3]) -> Followed {
+    fn follow(&self, fit: SphereFit, rest: &[Vec3], positions: &[Vec3]) -> Followed {
         let places: Vec<DVec3> = self.corners.iter().map(|place| point_at(positions, place)).collect();
         let unmoved = |corner: &BarycentricPoint| corner.0.iter().all(|&v| rest[v as usize] == positions[v as usize]);
         if self.corners.iter().all(unmoved) {
@@ -103,11 +108,12 @@ impl BoundSphere {
         }
         let mean = mean(&places);
         // Σ (rest - mean) ⊗ (place - mean).
-        let (mut correlation, mut spread) = (DMat3::ZERO, 0.0);
+        let (mut correlation, mut spread, mut spread_now) = (DMat3::ZERO, 0.0, 0.0);
         for (corner, place) in self.corners.iter().zip(&places) {
             let (from, to) = (point_at(rest, corner) - self.mean, *place - mean);
             correlation += DMat3::from_cols(from * to.x, from * to.y, from * to.z);
             spread += from.length_squared();
+            spread_now += to.length_squared();
         }
         let rotation = best_rotation(&correlation);
         let turned = DMat3::from_quat(rotation);
@@ -118,7 +124,11 @@ impl BoundSphere {
         // From the rounded centre, so that what is returned bounds.
         let center = center.as_vec3();
         let reach = places.iter().map(|place| place.distance(center.as_dvec3())).fold(0.0, f64::max);
-        let growth = if self.reach > 0.0 { reach / self.reach } else { scale };
+        let growth = match fit {
+            SphereFit::Bounding if self.reach > 0.0 => reach / self.reach,
+            SphereFit::Shadow if spread > 0.0 => (spread_now / spread).sqrt(),
+            _ => scale,
+        };
         let radius = (f64::from(self.sphere.radius) * growth) as f32;
         Followed { sphere: Sphere { center, radius: radius.max(f32::MIN_POSITIVE) }, rotation }
     }
@@ -145,7 +155,7 @@ fn nearest(mesh: &Mesh, point: Vec3) -> Vec<BarycentricPoint> {
 /// Gives the corners of every piece of a triangle to the sphere that holds it.
 fn divide(
     mesh: &Mesh,
-    spheres: &[Sphere],
+    (spheres, fit): (&[Sphere], SphereFit),
     triangle: [u32; 3],
     corners: [Vec3; 3],
     cuts: u32,
@@ -158,17 +168,19 @@ fn divide(
         farthest / f64::from(sphere.radius)
     };
     let depths: Vec<f64> = spheres.iter().map(depth).collect();
-    let Some(deepest) = (0..spheres.len()).min_by(|&a, &b| depths[a].total_cmp(&depths[b])) else { return };
-    if depths[deepest] <= 1.0 || cuts == MOST_CUTS {
+    let Some(deepest) = (0..depths.len()).min_by(|&a, &b| depths[a].total_cmp(&depths[b])) else { return };
+    let length = |edge: usize| places[edge].distance_squared(places[(edge + 1) % 3]);
+    let longest = (0..3).max_by(|&a, &b| length(a).total_cmp(&length(b))).unwrap_or(0);
+    let small = COARSE * f64::from(spheres[deepest].radius);
+    let is_small = fit == SphereFit::Shadow && length(longest) <= small * small;
+    if depths[deepest] <= 1.0 || is_small || cuts == MOST_CUTS {
         corners.into_iter().for_each(|corner| give(deepest, corner));
         return;
     }
-    let length = |edge: usize| places[edge].distance_squared(places[(edge + 1) % 3]);
-    let longest = (0..3).max_by(|&a, &b| length(a).total_cmp(&length(b))).unwrap_or(0);
     let [a, b, c] = [0, 1, 2].map(|k| corners[(longest + k) % 3]);
     let middle = 0.5 * (a + b);
-    divide(mesh, spheres, triangle, [a, middle, c], cuts + 1, give);
-    divide(mesh, spheres, triangle, [middle, b, c], cuts + 1, give);
+    divide(mesh, (spheres, fit), triangle, [a, middle, c], cuts + 1, give);
+    divide(mesh, (spheres, fit), triangle, [middle, b, c], cuts + 1, give);
 }
 
 /// The rotation R that makes `Σ (R from)·to` largest, given `Σ from ⊗ to` \[Horn1987\].
@@ -211,7 +223,7 @@ mod tests {
     #[test]
     fn a_similarity_carries_spheres_along_exactly() {
         let (mesh, spheres) = ring();
-        let binding = SphereBinding::new(&mesh, &spheres);
+        let binding = SphereBinding::new(&mesh, &spheres, SphereFit::Bounding);
         let pose = Pose {
             scale: 1.7,
             rotation: Quat::from_axis_angle(Vec3::new(1.0, 2.0, -0.5).normalize(), 2.2),
@@ -232,7 +244,7 @@ mod tests {
     #[test]
     fn a_bent_and_twisted_surface_stays_bounded_to_the_last_point() {
         let (mesh, spheres) = ring();
-        let binding = SphereBinding::new(&mesh, &spheres);
+        let binding = SphereBinding::new(&mesh, &spheres, SphereFit::Bounding);
         let moved: Vec<Vec3> = (mesh.positions.iter())
             .map(|p| Quat::from_rotation_x(0.9 * p.x) * (*p * Vec3::new(1.3, 1.0, 0.8)) + 0.3 * p.z * Vec3::Y)
             .collect();
@@ -250,6 +262,25 @@ mod tests {
         assert!(followed.iter().zip(&spheres).all(|(f, s)| f.sphere.radius < 1.8 * s.radius));
     }
 
+    /// Spheres that leave most of the surface bare go with it, and grow as it is stretched in the mean.
+    #[test]
+    fn spheres_that_do_not_bound_follow_too() {
+        let (mesh, mut spheres) = ring();
+        spheres.iter_mut().for_each(|sphere| sphere.radius = 0.2);
+        let binding = SphereBinding::new(&mesh, &spheres, SphereFit::Shadow);
+        // One sphere per piece suffices: nothing is cut down to the borders of spheres.
+        assert!(binding.bytes() < 400_000, "{}", binding.bytes());
+        let bend = |p: Vec3| Quat::from_rotation_x(0.3 * p.x) * (1.4 * p) + Vec3::Y;
+        let moved: Vec<Vec3> = mesh.positions.iter().map(|&p| bend(p)).collect();
+        for (followed, sphere) in binding.follow(&mesh.positions, &moved).iter().zip(&spheres) {
+            assert!(followed.sphere.center.distance(bend(sphere.center)) < 0.05, "{followed:?}");
+            assert!((followed.sphere.radius / (1.4 * sphere.radius) - 1.0).abs() < 0.03, "{followed:?}");
+        }
+        for (followed, sphere) in binding.follow(&mesh.positions, &mesh.positions).iter().zip(&spheres) {
+            assert_eq!(followed.sphere, *sphere);
+        }
+    }
+
     #[test]
     fn one_triangle_one_point_and_nothing() {
         let flat = Mesh {
@@ -260,7 +291,7 @@ mod tests {
         };
         let spheres =
             [Sphere { center: Vec3::new(0.4, 0.0, 0.4), radius: 0.8 }, Sphere { center: Vec3::Y, radius: 0.1 }];
-        let binding = SphereBinding::new(&flat, &spheres);
+        let binding = SphereBinding::new(&flat, &spheres, SphereFit::Bounding);
         // The second holds nothing: it goes where its neighbours go.
         let aside = [Vec3::ZERO, Vec3::X, Vec3::Z].map(|place| 2.0 * place + Vec3::X);
         let followed = binding.follow(&flat.positions, &aside)[1].sphere;
@@ -269,8 +300,10 @@ mod tests {
         assert!(
             collapsed.iter().all(|f| f.sphere.center.is_finite() && f.sphere.radius > 0.0 && f.rotation.is_finite())
         );
-        assert!(SphereBinding::new(&flat, &[]).follow(&flat.positions, &flat.positions).is_empty());
-        let none = SphereBinding::new(&Mesh::default(), &spheres).follow(&[], &[]);
+        assert!(
+            SphereBinding::new(&flat, &[], SphereFit::Bounding).follow(&flat.positions, &flat.positions).is_empty()
+        );
+        let none = SphereBinding::new(&Mesh::default(), &spheres, SphereFit::Bounding).follow(&[], &[]);
         assert_eq!(none[0].sphere, spheres[0]);
     }
 }

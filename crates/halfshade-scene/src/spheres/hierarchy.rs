@@ -7,7 +7,9 @@
 //! larger than the one about the old centre. The thesis starts from random places and minimizes radii by Powell's
 //! method; here places are spread, as for receiver clusters, and radii are exact.
 //!
-//! Every level bounds what the leaves bound, with ever more outside volume.
+//! Every level bounds the leaves, with ever more outside volume. That holds for leaves that were fitted to shadows too: which
+//! spheres a receiver sees is decided by how large the largest of them may look, so that parents must contain their
+//! children, and what a parent hides too much is scaled to what its children hide [Guerrero2007, eq. 4.9].
 
 use super::enclosing::enclosing_sphere;
 use super::{DSphere, Sphere};

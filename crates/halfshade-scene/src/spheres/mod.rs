@@ -1,6 +1,7 @@
 //! Sphere sets: the geometry that blocks, in place of a mesh ([Guerrero2007, 4.1], \[Wang2006\]).
 //!
-//! [`SphereSet::build`] fits the leaf spheres to a mesh, [`SphereHierarchy::new`] builds parent spheres over them, and a
+//! [`SphereSet::build`] fits the leaf spheres to a mesh, either so that they bound it, as published, or so that they hide
+//! from receivers what it hides ([`SphereFit`]). [`SphereHierarchy::new`] builds parent spheres over them, and a
 //! [`SphereBinding`] lets them follow a mesh that deforms.
 
 mod adjust;
@@ -14,6 +15,7 @@ mod overlap;
 mod points;
 mod polish;
 mod scene;
+mod shadow;
 mod solid;
 mod variational;
 
@@ -35,17 +37,34 @@ pub struct Sphere {
     pub radius: f32,
 }
 
-/// A set of spheres that bounds a mesh: every point of the surface lies in at least one of them.
+/// Aim of a sphere set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SphereFit {
+    /// Every point of the surface lies in at least one sphere, with little volume outside the mesh [Guerrero2007, 4.1].
+    #[default]
+    Bounding,
+    /// Receivers around and on the object see as much light as the mesh leaves them, by least squares. Spheres may stick
+    /// out and leave parts bare.
+    Shadow,
+}
+
+/// Spheres that stand for a mesh.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct SphereSet {
     /// The leaf spheres, in the mesh's own coordinates.
     pub spheres: Vec<Sphere>,
+    /// What they were fitted to.
+    pub fit: SphereFit,
     /// Volume of the union of the spheres outside the mesh, as a fraction of the mesh's volume. Where the mesh
     /// encloses no volume: the volume of the union, as a fraction of that of a sphere around the mesh (a note says so).
     pub outside_volume_fraction: f64,
     /// Half the range of three independent estimates of `outside_volume_fraction`, which is their mean.
     pub outside_volume_error: f64,
-    /// Largest distance by which a surface point lies outside every sphere; 0 for a set that bounds.
+    /// Volume of the mesh outside every sphere, as a fraction of its own: one minus what others call coverage. 0 where
+    /// the mesh encloses no volume.
+    pub missing_volume_fraction: f64,
+    /// Largest distance by which a surface point lies outside every sphere, the surface gap; 0 for a set that bounds.
     pub bounding_violation: f64,
     /// Growth of radii, after optimization over samples, so that the triangles are bounded: the largest
     /// growth as a fraction of the mesh's bounding-box diagonal.

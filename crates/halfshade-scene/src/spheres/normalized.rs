@@ -79,11 +79,12 @@ impl NormalizedMesh {
 
     /// The spheres in single precision and the mesh's coordinates, grown until they bound the triangles as given.
     pub(super) fn bound(&self, fitted: Vec<DSphere>) -> SphereSet {
-        let triangles: Vec<[DVec3; 3]> =
-            self.corners.iter().map(|t| t.map(|corner| corner * self.extent + self.middle)).collect();
+        let triangles = self.triangles_as_given();
+        // A mesh without area is fitted by points, one of which must grow to hold it.
+        let are_points = fitted.iter().all(|sphere| sphere.radius <= 0.0);
         let mut spheres: Vec<DSphere> = fitted
             .iter()
-            .filter(|sphere| sphere.radius > 0.0)
+            .filter(|sphere| sphere.radius > 0.0 || are_points)
             .map(|sphere| DSphere {
                 center: (sphere.center * self.extent + self.middle).as_vec3().as_dvec3(),
                 radius: f64::from(at_least(sphere.radius * self.extent)),
@@ -94,11 +95,31 @@ impl NormalizedMesh {
         SphereSet {
             bounding_violation: violation(&triangles, &spheres, tolerance),
             growth: growth / (self.extent() * self.extent),
-            spheres: spheres
-                .iter()
-                .map(|sphere| Sphere { center: sphere.center.as_vec3(), radius: sphere.radius as f32 })
-                .collect(),
+            spheres: in_single_precision(&spheres),
             ..SphereSet::default()
         }
     }
+
+    /// The spheres in single precision and the mesh's coordinates, as they are.
+    pub(super) fn placed(&self, fitted: &[DSphere]) -> SphereSet {
+        let place = |sphere: &DSphere| DSphere {
+            center: (sphere.center * self.extent + self.middle).as_vec3().as_dvec3(),
+            radius: (sphere.radius * self.extent).max(f64::from(f32::MIN_POSITIVE)),
+        };
+        let spheres: Vec<DSphere> = fitted.iter().map(place).collect();
+        SphereSet {
+            bounding_violation: violation(&self.triangles_as_given(), &spheres, COVER_TOLERANCE * self.extent),
+            spheres: in_single_precision(&spheres),
+            ..SphereSet::default()
+        }
+    }
+
+    fn triangles_as_given(&self) -> Vec<[DVec3; 3]> {
+        self.corners.iter().map(|t| t.map(|corner| corner * self.extent + self.middle)).collect()
+    }
+}
+
+/// Spheres whose numbers are single-precision ones already, or nearly.
+fn in_single_precision(spheres: &[DSphere]) -> Vec<Sphere> {
+    spheres.iter().map(|s| Sphere { center: s.center.as_vec3(), radius: s.radius as f32 }).collect()
 }

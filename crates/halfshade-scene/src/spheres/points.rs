@@ -9,9 +9,19 @@ use rand_pcg::Pcg64Mcg;
 /// Candidates drawn per surface point kept.
 const CANDIDATES_PER_POINT: usize = 4;
 
-/// `count` points spread evenly over the surface: candidates drawn by area with the R2 sequence, then farthest-point
-/// selection, which leaves distances between neighbours as equal as repulsion would and needs no geodesics.
+/// `count` points spread evenly over the surface: candidates drawn by area, then farthest-point selection, which leaves
+/// distances between neighbours as equal as repulsion would and needs no geodesics.
 pub(super) fn surface_points(corners: &[[DVec3; 3]], count: usize, rng: &mut Pcg64Mcg) -> Vec<DVec3> {
+    let candidates = drawn_by_area(corners, count * CANDIDATES_PER_POINT, rng);
+    if candidates.is_empty() {
+        return corners.iter().map(|triangle| triangle[0]).take(count.max(1)).collect();
+    }
+    let candidates: Vec<DVec3> = candidates.into_iter().map(|(_, point)| point).collect();
+    farthest_points(&candidates, count)
+}
+
+/// `count` points of the surface drawn by area with the R2 sequence, each with its triangle; none if there is no area.
+pub(super) fn drawn_by_area(corners: &[[DVec3; 3]], count: usize, rng: &mut Pcg64Mcg) -> Vec<(usize, DVec3)> {
     let mut total = 0.0;
     let cumulative: Vec<f64> = corners
         .iter()
@@ -21,22 +31,21 @@ pub(super) fn surface_points(corners: &[[DVec3; 3]], count: usize, rng: &mut Pcg
         })
         .collect();
     if total <= 0.0 {
-        return corners.iter().map(|triangle| triangle[0]).take(count.max(1)).collect();
+        return Vec::new();
     }
-    let candidate_count = count * CANDIDATES_PER_POINT;
     let shift: [f64; 2] = [rng.random(), rng.random()];
-    let candidates: Vec<DVec3> = (0..candidate_count)
+    (0..count)
         .map(|k| {
-            let area = (k as f64 + rng.random::<f64>()) / candidate_count as f64 * total;
-            let [a, b, c] = corners[cumulative.partition_point(|&sum| sum < area).min(corners.len() - 1)];
+            let area = (k as f64 + rng.random::<f64>()) / count as f64 * total;
+            let triangle = cumulative.partition_point(|&sum| sum < area).min(corners.len() - 1);
+            let [a, b, c] = corners[triangle];
             // The R2 sequence: multiples of the inverse plastic number and of its square.
             let u = (shift[0] + k as f64 * 0.754_877_666_246_692_7).fract();
             let v = (shift[1] + k as f64 * 0.569_840_290_998_053_2).fract();
             let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
-            a + u * (b - a) + v * (c - a)
+            (triangle, a + u * (b - a) + v * (c - a))
         })
-        .collect();
-    farthest_points(&candidates, count)
+        .collect()
 }
 
 /// `count` of the points, each as far as possible from those before it.

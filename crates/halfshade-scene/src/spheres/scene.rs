@@ -5,8 +5,8 @@ use crate::{Cache, Object, Progress, Scene, SceneError};
 use std::sync::Arc;
 
 impl Scene {
-    /// Builds the sphere set of every object that blocks, or reads it from the cache; objects with the same mesh and
-    /// count share one. Returns what the user should know: notes on caching and on meshes.
+    /// Builds the sphere set of every object that blocks, or reads it from the cache; objects with the same mesh,
+    /// count and fit share one. Returns what the user should know: notes on caching and on meshes.
     ///
     /// # Errors
     /// Those of [`SphereSet::build`], naming the object.
@@ -20,7 +20,7 @@ impl Scene {
                 continue;
             }
             let same = |other: &&Object| {
-                other.sphere_count == object.sphere_count
+                (other.sphere_count, other.fit) == (object.sphere_count, object.fit)
                     && (Arc::ptr_eq(&other.mesh, &object.mesh)
                         || (other.mesh.positions == object.mesh.positions
                             && other.mesh.triangles == object.mesh.triangles))
@@ -29,7 +29,7 @@ impl Scene {
                 object.spheres.clone_from(&other.spheres);
                 continue;
             }
-            let options = BuildOptions::default();
+            let options = BuildOptions { fit: object.fit, ..BuildOptions::default() };
             let (set, outcome) =
                 SphereSet::build_cached(&object.mesh, object.sphere_count, &options, cache, progress).map_err(
                     |error| SceneError { problem: format!("object {}: {}", object.name, error.problem), ..error },

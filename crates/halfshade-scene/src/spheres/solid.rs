@@ -155,6 +155,11 @@ impl Columns {
 
     /// Volume of the union of the spheres outside the solid.
     pub(super) fn union_outside(&self, spheres: &[DSphere]) -> f64 {
+        self.union_parts(spheres)[0]
+    }
+
+    /// Volumes of the union of the spheres outside and inside the solid.
+    pub(super) fn union_parts(&self, spheres: &[DSphere]) -> [f64; 2] {
         let mut chords: Vec<([i64; 2], Run)> = Vec::new();
         for sphere in spheres {
             let squared = sphere.radius * sphere.radius;
@@ -164,7 +169,7 @@ impl Columns {
             });
         }
         chords.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1[0].total_cmp(&b.1[0])));
-        let mut length = 0.0;
+        let (mut whole, mut shared) = (0.0, 0.0);
         let mut merged = Vec::new();
         for group in chords.chunk_by(|a, b| a.0 == b.0) {
             merged.clear();
@@ -172,13 +177,13 @@ impl Columns {
             merge(&mut merged, 0);
             let inside = self.line(group[0].0);
             for chord in &merged {
-                length += chord[1] - chord[0];
+                whole += chord[1] - chord[0];
                 for run in inside {
-                    length -= (chord[1].min(run[1]) - chord[0].max(run[0])).max(0.0);
+                    shared += (chord[1].min(run[1]) - chord[0].max(run[0])).max(0.0);
                 }
             }
         }
-        length * self.step * self.step
+        [whole - shared, shared].map(|length| length * self.step * self.step)
     }
 }
 
@@ -380,6 +385,9 @@ mod tests {
             // Two unit spheres a radius apart share a lens of 5π/12.
             let two = [sphere(4.0, 1.0), sphere(5.0, 1.0)];
             close(solid.columns.union_outside(&two), (8.0 / 3.0 - 5.0 / 12.0) * PI);
+            let [outside, inside] = solid.columns.union_parts(&[sphere(0.5, 0.4)]);
+            close(outside, 2.0 / 3.0 * PI * 0.064);
+            close(inside, 2.0 / 3.0 * PI * 0.064);
             let rest = solid.columns.united_with(two[..1].iter(), &two[1]);
             close(rest.outside(&two[1]), (4.0 / 3.0 - 5.0 / 12.0) * PI);
         }

@@ -26,7 +26,7 @@ impl Blockers {
     pub(crate) fn new(scene: &Scene) -> Self {
         let blocker = |object: &Object| {
             let set = object.spheres.as_ref().filter(|_| object.sphere_count > 0)?;
-            let binding = object.skin.as_ref().map(|_| SphereBinding::new(&object.mesh, &set.spheres));
+            let binding = object.skin.as_ref().map(|_| SphereBinding::new(&object.mesh, &set.spheres, set.fit));
             Some(Blocker { set: set.clone(), binding })
         };
         Self(scene.objects.iter().map(blocker).collect())

@@ -6,7 +6,8 @@ use crate::progress::Silent;
 use glam::Vec3;
 use rand::RngExt;
 
-const QUICK: BuildOptions = BuildOptions { seed: 1, restarts: 2, teleports: 1, polish: true, jumps: 1 };
+const QUICK: BuildOptions =
+    BuildOptions { fit: SphereFit::Bounding, seed: 1, restarts: 2, teleports: 1, polish: true, jumps: 1 };
 
 fn build(mesh: &Mesh, count: usize) -> SphereSet {
     SphereSet::build(mesh, count, &QUICK, &Silent).unwrap()

@@ -7,7 +7,7 @@ use halfshade_scene::{
 };
 use std::sync::Arc;
 
-/// Spheres of one object that bound it together.
+/// Spheres that stand for one object together.
 #[derive(Debug, Clone)]
 pub(crate) struct Level {
     pub(crate) spheres: Vec<Sphere>,
@@ -70,7 +70,7 @@ impl Hierarchies {
             return Some(known.levels.clone());
         }
         let with_shares = |spheres: Vec<Sphere>, children| Level {
-            binding: mesh.map(|mesh| SphereBinding::new(mesh, &spheres)),
+            binding: mesh.map(|mesh| SphereBinding::new(mesh, &spheres, set.fit)),
             shares: match self.overlap {
                 Overlap::Independent => vec![1.0; spheres.len()],
                 Overlap::Shared => overlap_shares(&spheres),
