@@ -84,7 +84,8 @@ impl DeviceFirstPass {
         }
         let bands = Some(kernels.bands);
         let cuts = baked.cut_of_emitters(&emitters);
-        let points = ResidentReceivers::new(gpu, frame, points.view(), &|i| cuts.as_ref().map_or(0, |cuts| cuts[i]))?;
+        let group = |i: usize| cuts.as_ref().map_or(0, |cuts| cuts[i]);
+        let points = ResidentReceivers::new(gpu, frame, points.view(), &group, 0)?;
         if points.parts() > 1 {
             return Err(GpuError::Refused("there are more sample points of spheres than a dispatch takes".into()));
         }

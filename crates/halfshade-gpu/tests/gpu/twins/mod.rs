@@ -3,7 +3,9 @@
 mod combinations;
 mod distant_light;
 mod fields;
+mod irradiance;
 mod light;
+mod product;
 mod rays;
 mod receivers;
 mod reflectance;
@@ -55,6 +57,10 @@ pub(super) const TESTS: &[(&str, Test)] = &[
     ("eye_lobes", reflectance::eye_lobes),
     ("reflector", reflectance::reflector),
     ("light", sampler::light),
+    ("irradiance", irradiance::irradiance),
+    ("sequence", product::sequence),
+    ("light_tree", product::light_tree),
+    ("stops", product::stops),
     ("traverse", traverse::traverse),
     ("cutout", traverse::cutout),
 ];
