@@ -29,7 +29,7 @@ fn cell_weight(along: f32, slack: f32) -> f32 {
         return along;
     }
     let above = max(along + slack, 0.0);
-    return select(0.0, above * above / (4.0 * slack), above > 0.0);
+    return select(0.0, 0.25 * above * (above / slack), above > 0.0);
 }
 
 fn halved(number: f32, first: f32, second: f32) -> Half {

@@ -11,7 +11,6 @@ pub use super::{
 pub use crate::shared::irradiance::Irradiance;
 
 use super::{
-    NORMAL_CELLS,
     settings::{Estimator, Filter, Sampling, Settings},
     shade::points::Points,
 };
@@ -46,7 +45,10 @@ pub struct FilterArrays {
     pub levels: usize,
 }
 
-/// What a filter is refused with where light isn't known.
+/// Cells of the table of irradiance over normals from its centre to a side.
+const NORMAL_CELLS: usize = 32;
+
+/// Why a filter is refused where light isn't known.
 pub const FILTERS_SHARES: &str = "a filter smooths shares of the light: estimator=ratio";
 
 impl FilterArrays {

@@ -74,9 +74,6 @@ struct Kept {
     neighbours: Option<Neighbours>,
 }
 
-/// Cells of the table of irradiance over normals.
-const NORMAL_CELLS: usize = 32;
-
 const PRESETS: [Preset; 1] = [Preset {
     name: "plain",
     summary: "unbiased: light and visibility estimated together, by light and cosine half and half",

@@ -48,11 +48,11 @@ settings! {
         /// what neighbours tell each other: pixels of a picture, vertices of a mesh
         "filter" => filter: Filter = Filter::None;
         /// times that a filter looks twice as far
-        "filter-levels" => filter_levels: u32 = 4, in 1..=8;
+        "filter-levels" => filter_levels: u32 = 3, in 1..=8;
         /// degrees between normals from which on neighbours tell each other nothing
         "filter-angle" => filter_angle: f32 = 30.0, in 1.0..=90.0;
         /// standard deviations between shares from which on they don't
-        "filter-deviations" => filter_deviations: f32 = 3.0, in 0.0..=1000.0;
+        "filter-deviations" => filter_deviations: f32 = 4.0, in 0.0..=1000.0;
     }
 }
 

@@ -31,8 +31,8 @@ pub(super) fn sequence(gpu: &Arc<Gpu>) -> Result<(), Failed> {
     // Whole numbers as two halves that single precision holds.
     let inputs: Vec<[f32; 4]> = numbers.iter().map(|n| [(n >> 16) as f32, (n & 0xffff) as f32, 0.0, 0.0]).collect();
     let body = "let halves = vec2u(input[0].xy);
-        let number = (halves.x << 16u) | halves.y;
-        output[0] = vec4f(sequence_point(number, 1u, 0u), sequence_offset(number), 0.0);";
+        let receiver = (halves.x << 16u) | halves.y;
+        output[0] = vec4f(sequence_point(receiver, 1u, 0u), sequence_offset(receiver), 0.0);";
     let found = Probe { shader, bands: None, constants: &[], rows: [1, 1], body, variables: &[] }.call(gpu, &inputs)?;
     let scrambled = |reversed: u32, seed: u32| {
         let hash = |x: u32, factor: u32| x ^ x.wrapping_mul(factor);
@@ -126,7 +126,7 @@ pub(super) fn light_tree(gpu: &Arc<Gpu>) -> Result<(), Failed> {
     let mut random = Pcg64Mcg::seed_from_u64(42);
     let params = RayTraced.info().parse("").map_err(|error| Failed::from(error.to_string()))?;
     for (width, height) in [(64, 32), (37, 21), (16, 8), (5, 3)] {
-        let texel = |i: usize| Vec3::new(0.5, 1.0, 2.0) * if i % 3 == 0 { 0.0 } else { (i * 7 % 11) as f32 };
+        let texel = |i: usize| Vec3::new(0.5, 1.0, 2.0) * if i.is_multiple_of(3) { 0.0 } else { (i * 7 % 11) as f32 };
         let map = EnvironmentMap::new(width, height, (0..width * height).map(texel).collect());
         let map = map.ok_or("as many texels as it is large")?;
         let object = Object::new("box", shapes::cuboid(Vec3::ONE, [1; 3]));

@@ -19,7 +19,7 @@ pub struct LightTree {
     pub size: [usize; 2],
     /// Levels of cells, from the largest cells on; none where texels are as few as those may be.
     pub levels: Vec<Level>,
-    /// Vector of each cell, and its power, level by level.
+    /// Vector of each cell, and its power, as parts of all power, level by level.
     pub cells: Vec<Vec4>,
     /// Normals of the table.
     pub grid: OctahedralGrid,
@@ -30,7 +30,7 @@ pub struct LightTree {
     pub order: Vec<u32>,
     /// Columns and rows of the largest cells.
     pub largest: [usize; 2],
-    /// Light of texels, summed over the channels, row by row.
+    /// Light of texels, summed over the channels, likewise, row by row.
     texels: Vec<f32>,
     /// Solid angle of a texel in each row.
     pub solid_angles: Vec<f32>,
@@ -75,14 +75,20 @@ pub(crate) fn cell_weight(along: f32, slack: f32) -> f32 {
         return along;
     }
     let above = (along + slack).max(0.0);
-    if above > 0.0 { above * above / (4.0 * slack) } else { 0.0 }
+    if above > 0.0 { 0.25 * above * (above / slack) } else { 0.0 }
 }
 
 impl LightTree {
     pub(crate) fn new(map: &EnvironmentMap) -> Self {
         let size = [map.width(), map.height()];
         let solid_angles: Vec<f32> = (0..size[1]).map(|row| map.texel_solid_angle(row) as f32).collect();
-        let texels: Vec<f32> = map.texels().iter().map(|texel| texel.element_sum()).collect();
+        let mut vectors = texel_vectors(map);
+        // Parts of all the power: of light however strong or faint.
+        let power: f64 = vectors.iter().map(|vector| vector.w).sum();
+        let part = if power > 0.0 { power.recip() } else { 1.0 };
+        vectors.iter_mut().for_each(|vector| *vector *= part);
+        let texel = |texel: &Vec3| (part * texel.as_dvec3().element_sum()) as f32;
+        let texels: Vec<f32> = map.texels().iter().map(texel).collect();
         let grid = OctahedralGrid::new(NORMAL_CELLS);
         let mut tree = Self {
             size,
@@ -96,7 +102,7 @@ impl LightTree {
             solid_angles,
         };
         // From texels to the largest cells.
-        let mut stages = vec![(size, texel_vectors(map))];
+        let mut stages = vec![(size, vectors)];
         while let Some((size, cells)) = stages.last().filter(|(size, _)| size[0] > LARGEST[0] || size[1] > LARGEST[1]) {
             stages.push(joined(*size, cells));
         }
@@ -157,7 +163,7 @@ impl LightTree {
         for below in 1..=self.levels.len() {
             let weights = self.halves(normal, place, below);
             let [upper, lower] = weights.map(|[left, right]| left + right);
-            if !(upper + lower > 0.0) {
+            if upper + lower <= 0.0 {
                 return None;
             }
             let (row, share) = halved(&mut v, upper, lower);

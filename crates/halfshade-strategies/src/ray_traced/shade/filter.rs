@@ -1,6 +1,6 @@
 //! Shares of the light, smoothed over neighbours.
 
-use super::Outcome;
+use super::outcome::Outcome;
 use crate::ray_traced::prepare::neighbours::{NOBODY, Near, Neighbours};
 use glam::{Vec3, Vec4, Vec4Swizzles};
 use halfshade_scene::Receivers;

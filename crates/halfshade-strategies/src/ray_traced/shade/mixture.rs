@@ -1,6 +1,11 @@
 //! Rays of a receiver by cosine, or all of its lobes, and by light.
 
-use super::{FrameRays, Outcome, Sums, points::Points, reflector::Reflector};
+use super::{
+    FrameRays,
+    outcome::{Outcome, Sums},
+    points::Points,
+    reflector::Reflector,
+};
 use crate::ray_traced::prepare::light_sampler::cosine_direction;
 use glam::{DVec3, Vec3};
 use halfshade_scene::{Lobe, Lobes, Receivers};

@@ -2,6 +2,7 @@
 
 pub(super) mod filter;
 mod mixture;
+mod outcome;
 pub(super) mod points;
 mod product;
 mod reflector;
@@ -10,9 +11,9 @@ pub(super) mod sequence;
 use super::prepare::{light_sampler::LightSampler, occlusion::Occlusion};
 use crate::shared::irradiance::FrameIrradiance;
 use filter::Filter;
-use glam::{DVec3, Vec3};
 use halfshade_scene::{EyeLobes, Lobes, RadianceMut, Receivers};
 use halfshade_strategy::{Batching, Prepared};
+use outcome::Outcome;
 use rayon::prelude::*;
 
 /// A frame ready to be shaded.
@@ -33,25 +34,6 @@ pub(super) struct FrameRays<'a> {
     pub(super) filter: Option<Filter<'a>>,
 }
 
-/// Light that a receiver sends out: `apart + known · share`.
-#[derive(Debug, Clone, Copy)]
-struct Outcome {
-    /// All that isn't told by a share.
-    apart: Vec3,
-    /// Light that would be sent out if nothing were hidden.
-    known: Vec3,
-    /// The part of it that is seen.
-    share: Vec3,
-}
-
-impl Outcome {
-    const BLACK: Self = Self { apart: Vec3::ZERO, known: Vec3::ZERO, share: Vec3::ONE };
-
-    fn radiance(&self) -> Vec3 {
-        self.apart + self.known * self.share
-    }
-}
-
 impl FrameRays<'_> {
     fn outcome(&self, receivers: &Receivers<'_>, i: usize) -> Outcome {
         let lobes = self.eye_lobes.as_ref().map_or(Lobes::NONE, |lobes| lobes.at(receivers, i));
@@ -60,28 +42,6 @@ impl FrameRays<'_> {
             Some(irradiance) if self.is_product => self.by_product(irradiance, receivers, i),
             _ => self.by_mixture(receivers, i),
         }
-    }
-}
-
-/// Light of the samples of a receiver.
-#[derive(Debug, Clone, Copy, Default)]
-struct Sums {
-    /// Blocked where it is, and as if nothing were.
-    seen: DVec3,
-    open: DVec3,
-}
-
-impl Sums {
-    fn add(&mut self, seen: DVec3, open: DVec3) {
-        self.seen += seen;
-        self.open += open;
-    }
-
-    /// The share that is seen, by channel; all of it where no sample carries light.
-    fn share(&self) -> DVec3 {
-        let share =
-            |channel: usize| if self.open[channel] > 0.0 { self.seen[channel] / self.open[channel] } else { 1.0 };
-        DVec3::new(share(0), share(1), share(2)).min(DVec3::ONE)
     }
 }
 

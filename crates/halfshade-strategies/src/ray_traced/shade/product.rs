@@ -1,7 +1,8 @@
 //! Rays of a diffuse receiver by light times cosine.
 
 use super::{
-    FrameRays, Outcome, Sums,
+    FrameRays,
+    outcome::{Outcome, Sums},
     sequence::{Sequence, offset_of},
 };
 use crate::{
@@ -36,7 +37,7 @@ impl FrameRays<'_> {
         let (position, normal) = (receivers.position_at(i), receivers.normal_at(i));
         let parts = || irradiance.parts(position, normal);
         let total: f32 = parts().map(Vec3::element_sum).sum();
-        if !(total > 0.0) {
+        if total <= 0.0 || total.is_nan() {
             return Outcome::BLACK;
         }
         let index = receivers.index[i];
