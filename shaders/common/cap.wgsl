@@ -27,3 +27,12 @@ fn angle_less_tangent_share(q: f32, c: f32, sine_squared: f32) -> f32 {
     let squared = t * t;
     return t * (sine_squared - squared * (1.0 / 3.0 - squared * (1.0 / 5.0 - squared * (1.0 / 7.0 - squared / 9.0))));
 }
+
+// Irradiance of a sphere of radiance 1 whose centre lies at `offset` from the receiver; within it all directions shine.
+fn sphere_irradiance(offset: vec3f, radius: f32, normal: vec3f) -> f32 {
+    let distance = length(offset);
+    if (distance <= radius) {
+        return PI;
+    }
+    return cap_irradiance(dot(offset, normal) / distance, radius / distance);
+}

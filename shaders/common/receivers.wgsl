@@ -26,7 +26,7 @@ struct Place {
 // Albedo, channel by channel; where anything is glossy then factors of gloss: of scales by channel, of exponents.
 @group(0) @binding(1) var<storage, read> albedos: array<f32>;
 @group(0) @binding(2) var<storage, read> placements: array<Placement>;
-// Outgoing radiance, channel by channel.
+// Outgoing radiance, channel by channel; behind it whatever else a kernel keeps of each receiver, likewise.
 @group(0) @binding(3) var<storage, read_write> radiances: array<f32>;
 
 fn receiver_count() -> u32 {
@@ -79,5 +79,28 @@ fn add_radiance(number: u32, radiance: vec3f, is_first: bool) {
     for (var channel = 0u; channel < 3u; channel++) {
         let place = channel * count + number;
         radiances[place] = select(radiances[place], 0.0, is_first) + radiance[channel];
+    }
+}
+
+// Makes less than nothing nothing.
+fn clamp_radiance(number: u32) {
+    let count = receiver_count();
+    for (var channel = 0u; channel < 3u; channel++) {
+        let place = channel * count + number;
+        radiances[place] = max(radiances[place], 0.0);
+    }
+}
+
+// A vector that is kept of a receiver from dispatch to dispatch.
+fn kept(number: u32, slot: u32) -> vec3f {
+    let count = receiver_count();
+    let first = 3u * (slot + 1u) * count + number;
+    return vec3f(radiances[first], radiances[first + count], radiances[first + 2u * count]);
+}
+
+fn keep(number: u32, slot: u32, value: vec3f) {
+    let count = receiver_count();
+    for (var channel = 0u; channel < 3u; channel++) {
+        radiances[(3u * (slot + 1u) + channel) * count + number] = value[channel];
     }
 }

@@ -22,7 +22,7 @@ struct Frame {
     // Columns and rows of the map; 0 without one.
     map_width: u32,
     map_height: u32,
-    // Rows of `rows` at which there begin: objects, lights, what stays, texels, alias numbers.
+    // Rows of `rows` at which there begin: objects, lights, what stays, texels, alias numbers, irradiance over normals.
     instances: u32,
     instance_count: u32,
     lights: u32,
@@ -30,7 +30,23 @@ struct Frame {
     tables: u32,
     texels: u32,
     aliases: u32,
+    irradiances: u32,
+    // Cells of that from its centre to a side.
+    grid_cells: f32,
+    // Rows at which there begin: columns, rows, first cell and chord of each level of cells; solid angles of texels by row;
+    // running sums of the largest cells by normal, and below the numbers of those cells.
+    levels: u32,
+    level_count: u32,
+    solid_angles: u32,
+    sums: u32,
+    largest_columns: u32,
+    largest_rows: u32,
+    // Cells of the table of sums over normals from its centre to a side.
+    normal_cells: f32,
+    order: u32,
     padding: u32,
+    more_padding: u32,
+    last_padding: u32,
 }
 
 // The boxes of two children; see `halfshade_gpu::hierarchy`.

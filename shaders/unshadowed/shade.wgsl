@@ -39,18 +39,10 @@ fn irradiance(receiver: Receiver) -> vec3f {
         sum += frame.sun_radiance.xyz * cap_irradiance(dot(frame.sun_direction.xyz, receiver.normal), sine);
     }
     for (var i = 0u; i < frame.light_count; i++) {
-        sum += lights[i].radiance.xyz * form_of_light(lights[i], receiver);
+        let sphere = lights[i].sphere;
+        sum += lights[i].radiance.xyz * sphere_irradiance(sphere.xyz - receiver.position, sphere.w, receiver.normal);
     }
     return sum;
-}
-
-fn form_of_light(light: Light, receiver: Receiver) -> f32 {
-    let offset = light.sphere.xyz - receiver.position;
-    let distance = length(offset);
-    if (distance <= light.sphere.w) {
-        return PI;
-    }
-    return cap_irradiance(dot(offset, receiver.normal) / distance, light.sphere.w / distance);
 }
 
 @compute @workgroup_size(64)

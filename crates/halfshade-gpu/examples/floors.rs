@@ -91,12 +91,22 @@ const CASES: &[Case] = &[
         kernel: "ray-traced",
         what: "16 rays of 32 steps through hierarchies each, a map's light, no lamp",
         bands: 1,
-        rounds: &[("shaded", &[16.0]), ("is_blocked", &[32.0, 1.0]), ("power_at", &[0.0]), ("seen_radiance", &[0.0])],
+        // A map of three levels of cells, and a sun that gets half of the rays.
+        rounds: &[
+            ("add_product", &[2.0]),
+            ("draw_products", &[2.0, 8.0]),
+            ("is_blocked", &[32.0, 1.0]),
+            ("irradiance_at", &[0.0]),
+            ("map_sample", &[3.0]),
+            ("first_above", &[7.0]),
+        ],
         // Nothing is glossy, and nothing has holes.
         taken: &[
-            ("main", &[false, false, false]),
-            ("shaded", &[false, false, false, true]),
-            ("drawn_direction", &[false, true]),
+            ("main", &[false, false, true]),
+            ("add_product", &[false, true, true]),
+            ("draw_products", &[false, true, true]),
+            ("drawn_for", &[false, false, false]),
+            ("finish", &[false]),
             ("is_met", &[false, false, false]),
         ],
         bytes: RECEIVER_BYTES,

@@ -126,6 +126,32 @@ pub const RAY_TRACED: Kernel = Kernel {
             reason: "a ray that grazes the edge of a hole may be decided otherwise: a share of all rays",
         },
         Twin {
+            shader: "ray_traced/irradiance.wgsl",
+            cpu: "halfshade_strategies::shared::irradiance",
+            tolerance: 1e-4,
+            reason: "those of its parts",
+        },
+        CAP,
+        OCTAHEDRAL,
+        Twin {
+            shader: "ray_traced/light_tree.wgsl",
+            cpu: "halfshade_strategies::ray_traced::prepare::light_tree",
+            tolerance: 1e-3,
+            reason: "a number next to where a cell ends may be decided otherwise; cos and sin of the device",
+        },
+        Twin {
+            shader: "ray_traced/product.wgsl",
+            cpu: "halfshade_strategies::ray_traced::shade::product",
+            tolerance: 1e-3,
+            reason: "those of its parts",
+        },
+        Twin {
+            shader: "ray_traced/sequence.wgsl",
+            cpu: "halfshade_strategies::ray_traced::shade::sequence",
+            tolerance: 0.0,
+            reason: "whole numbers of 32 bits",
+        },
+        Twin {
             shader: "ray_traced/reflector.wgsl",
             cpu: "halfshade_strategies::ray_traced::shade::reflector",
             tolerance: 1e-4,
@@ -136,6 +162,19 @@ pub const RAY_TRACED: Kernel = Kernel {
         NEAR_ZERO,
     ],
     buffers: &[RECEIVERS, &["frame", "nodes", "triangles", "rows"], &["part"]],
+};
+
+/// Shares of the light that rays see, smoothed over neighbours.
+pub const RAY_TRACED_FILTER: Kernel = Kernel {
+    name: "ray-traced-filter",
+    shader: "ray_traced/filter.wgsl",
+    twins: &[Twin {
+        shader: "ray_traced/stops.wgsl",
+        cpu: "halfshade_strategies::ray_traced::shade::filter",
+        tolerance: 1e-5,
+        reason: "one less a cosine, in units of the largest turn",
+    }],
+    buffers: &[RECEIVERS, &["stops", "neighbours"]],
 };
 
 /// Shadows of `sh-exp`, and the second pass of its reflections.
@@ -351,14 +390,10 @@ pub const MASK: Kernel = Kernel {
 };
 
 /// All kernels.
-pub const KERNELS: &[Kernel] = &[UNSHADOWED, RAY_TRACED, SH_EXP, SH_EXP_EMIT, SHADOW_FIELD, MASK];
+pub const KERNELS: &[Kernel] = &[UNSHADOWED, RAY_TRACED, RAY_TRACED_FILTER, SH_EXP, SH_EXP_EMIT, SHADOW_FIELD, MASK];
 
 /// All that has none.
 pub const MISSING: &[Missing] = &[
-    Missing {
-        cpu: "halfshade_strategies::ray_traced::shade, estimator=ratio",
-        instead: "estimator=plain or device `cpu`",
-    },
     Missing { cpu: "halfshade_strategies::sh_exp::kernel::traced", instead: "exp=hybrid or device `cpu`" },
     Missing { cpu: "halfshade_strategies::shadow_field::shade::haar", instead: "basis=sh or device `cpu`" },
     Missing { cpu: "halfshade_strategies::shadow_field::shade::traced", instead: "sampling=adaptive or device `cpu`" },

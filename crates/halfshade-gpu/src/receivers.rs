@@ -42,6 +42,9 @@ pub(crate) struct ResidentReceivers {
     deforming: Option<Deforming>,
 }
 
+/// Bytes of a binding, as WebGPU has them by default.
+const MOST_BYTES: usize = 128 << 20;
+
 /// As many receivers as one dispatch takes.
 #[derive(Debug)]
 struct Part {
@@ -106,12 +109,14 @@ pub(crate) fn affine_rows(matrix: DMat3, offset: DVec3) -> [[f32; 4]; 3] {
 }
 
 impl ResidentReceivers {
-    /// Puts receivers of `frame` on the device; `group` is a number per receiver that kernels get with it.
+    /// Puts receivers of `frame` on the device; `group` is a number per receiver that kernels get with it, `kept` how many
+    /// vectors of each they keep beside its radiance.
     pub(crate) fn new(
         gpu: &Gpu,
         frame: &Frame<'_>,
         receivers: Receivers<'_>,
         group: &dyn Fn(usize) -> u32,
+        kept: usize,
     ) -> Result<Self, GpuError> {
         let count = receivers.len();
         let rest: Vec<[Vec3; 2]> = (0..count).map(|i| at_rest(frame, receivers, i)).collect();
@@ -119,8 +124,10 @@ impl ResidentReceivers {
         let none = frame.world_from_object.len() as u32;
         let objects: Vec<u32> = receivers.object.iter().map(|&object| object.min(none)).collect();
         let mut parts = Vec::new();
-        for first in (0..count).step_by(MOST_RECEIVERS) {
-            let range = first..(first + MOST_RECEIVERS).min(count);
+        // No more of what is written than a binding may have.
+        let most = MOST_RECEIVERS.min(MOST_BYTES / (12 * (1 + kept)));
+        for first in (0..count).step_by(most) {
+            let range = first..(first + most).min(count);
             let places = places(&rest[range.clone()], &objects[range.clone()], &groups[range.clone()]);
             let mut albedos: Vec<f32> =
                 receivers.albedo.iter().flat_map(|channel| &channel[range.clone()]).copied().collect();
@@ -132,7 +139,7 @@ impl ResidentReceivers {
                 count: range.len(),
                 places: gpu.filled("places of receivers", &places)?,
                 albedos: gpu.filled("albedos of receivers", &albedos)?,
-                radiances: gpu.buffer("radiances", 12 * range.len() as u64)?,
+                radiances: gpu.buffer("radiances", (1 + kept) as u64 * 12 * range.len() as u64)?,
             });
             // Data that is written is held twice until it is submitted.
             gpu.queue.submit([]);
@@ -150,6 +157,11 @@ impl ResidentReceivers {
     /// Dispatches that all of them take.
     pub(crate) fn parts(&self) -> usize {
         self.parts.len()
+    }
+
+    /// The receivers of each dispatch.
+    pub(crate) fn ranges(&self) -> impl Iterator<Item = Range<usize>> {
+        self.parts.iter().map(|part| part.first..part.first + part.count)
     }
 
     /// Outgoing radiance of every part, channel by channel.

@@ -9,7 +9,10 @@ use crate::{
 };
 use halfshade_scene::{Frame, RadianceMut, Receivers};
 use halfshade_strategy::{Batching, Prepared, Shading, StrategyError};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::{
+    ops::Range,
+    sync::{Arc, Mutex, PoisonError},
+};
 
 /// A device, and the kernels that were made ready for it.
 #[derive(Debug, Clone)]
@@ -34,8 +37,12 @@ pub(crate) struct Runner {
     bindings: Option<Bindings>,
     /// Other kernels that run before.
     before: Vec<Pass>,
+    /// Other kernels that run after, stage by stage.
+    after: Vec<Follower>,
     /// Settings of each dispatch, where a frame takes several, and their bindings of group 2.
     parts: Vec<(DeviceBuffer, wgpu::BindGroup)>,
+    /// Vectors that the kernel keeps of each receiver beside its radiance.
+    kept: usize,
     /// The error while shading, for who reads back.
     fault: Mutex<Option<GpuError>>,
 }
@@ -45,6 +52,17 @@ struct Bindings {
     /// Receivers of each part, and how many they are.
     receivers: Vec<(wgpu::BindGroup, usize)>,
     frame: wgpu::BindGroup,
+    /// Receivers of each part for those that run after.
+    after: Vec<wgpu::BindGroup>,
+}
+
+/// A pass over the same receivers behind those of a kernel.
+#[derive(Debug)]
+pub(crate) struct Follower {
+    /// The same for all.
+    pub(crate) pipeline: Arc<Pipeline>,
+    /// Bindings of group 1 for each part of the receivers.
+    pub(crate) bindings: Vec<wgpu::BindGroup>,
 }
 
 /// A frame on its way through the device.
@@ -82,7 +100,9 @@ impl Runner {
             names,
             bindings: None,
             before: Vec::new(),
+            after: Vec::new(),
             parts: Vec::new(),
+            kept: 0,
             fault: Mutex::default(),
             gpu: gpu.clone(),
         })
@@ -104,6 +124,11 @@ impl Runner {
         self.gpu.check()
     }
 
+    /// Makes room for vectors that the kernel keeps of each receiver placed from now on.
+    pub(crate) fn keep_vectors(&mut self, count: usize) {
+        self.kept = count;
+    }
+
     /// Puts receivers on the device.
     pub(crate) fn place_receivers(
         &mut self,
@@ -112,8 +137,9 @@ impl Runner {
         group: &dyn Fn(usize) -> u32,
     ) -> Result<(), GpuError> {
         self.bindings = None;
+        self.after.clear();
         self.receivers = ResidentReceivers::default();
-        self.receivers = ResidentReceivers::new(&self.gpu, frame, receivers, group)?;
+        self.receivers = ResidentReceivers::new(&self.gpu, frame, receivers, group, self.kept)?;
         Ok(())
     }
 
@@ -165,6 +191,17 @@ impl Runner {
         self.before = passes;
     }
 
+    /// Runs other kernels after this one, frame by frame, until receivers are placed anew.
+    pub(crate) fn run_after(&mut self, followers: Vec<Follower>) {
+        self.bindings = None;
+        self.after = followers;
+    }
+
+    /// The receivers of each part.
+    pub(crate) fn receiver_ranges(&self) -> Vec<Range<usize>> {
+        self.receivers.ranges().collect()
+    }
+
     /// Sends what was written on its way, and makes bindings anew if a buffer is another one: then it is true.
     pub(crate) fn upload(&mut self) -> Result<bool, GpuError> {
         self.gpu.queue.submit([]);
@@ -172,7 +209,9 @@ impl Runner {
         if is_new {
             let frame = self.bind_frame(&self.pipeline);
             let receivers = self.receivers.bind(&self.gpu, &self.pipeline);
-            self.bindings = Some(Bindings { receivers, frame });
+            let after = (self.after.first()).map(|first| self.receivers.bind(&self.gpu, &first.pipeline));
+            let after = after.unwrap_or_default().into_iter().map(|(places, _)| places).collect();
+            self.bindings = Some(Bindings { receivers, frame, after });
         }
         self.gpu.check()?;
         Ok(is_new)
@@ -190,9 +229,9 @@ impl Runner {
             let placed = self.receivers.len();
             return Err(GpuError::Refused(format!("{count} receivers are to be shaded, but {placed} were placed")));
         }
-        let Some(Bindings { receivers, frame }) = &self.bindings else { return Ok(Vec::new()) };
+        let Some(Bindings { receivers, frame, after }) = &self.bindings else { return Ok(Vec::new()) };
         let mut passes = self.before.clone();
-        for (places, count) in receivers {
+        for (number, (places, count)) in receivers.iter().enumerate() {
             let mut add = |part: Option<&'_ wgpu::BindGroup>| {
                 let bind_groups = [places, frame].into_iter().chain(part).cloned().collect();
                 passes.push(Pass { pipeline: self.pipeline.clone(), bind_groups, count: *count });
@@ -200,6 +239,12 @@ impl Runner {
             match self.parts.as_slice() {
                 [] => add(None),
                 parts => parts.iter().for_each(|(_, part)| add(Some(part))),
+            }
+            if let Some(places) = after.get(number) {
+                passes.extend(self.after.iter().map(|Follower { pipeline, bindings }| {
+                    let bind_groups = vec![places.clone(), bindings[number].clone()];
+                    Pass { pipeline: pipeline.clone(), bind_groups, count: *count }
+                }));
             }
         }
         Ok(passes)

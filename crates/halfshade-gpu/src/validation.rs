@@ -205,9 +205,35 @@ fn structs_lie_in_rust_as_in_wgsl() {
         offset_of!(Rays, tables),
         offset_of!(Rays, texels),
         offset_of!(Rays, aliases),
+        offset_of!(Rays, irradiances),
+        offset_of!(Rays, grid_cells),
+        offset_of!(Rays, levels),
+        offset_of!(Rays, level_count),
+        offset_of!(Rays, solid_angles),
+        offset_of!(Rays, sums),
+        offset_of!(Rays, largest),
+        offset_of!(Rays, largest) + 4,
+        offset_of!(Rays, normal_cells),
+        offset_of!(Rays, order),
         offset_of!(Rays, padding),
+        offset_of!(Rays, padding) + 4,
+        offset_of!(Rays, padding) + 8,
     ];
     assert_eq!(layout(&module, "Frame"), (size_of::<Rays>(), rays));
+
+    let (module, _) = valid("ray-traced-filter", &shader::module("ray_traced/filter.wgsl", None));
+    type Stops = ray_traced::filter::DeviceStops;
+    let stops = vec![
+        offset_of!(Stops, turn),
+        offset_of!(Stops, deviations_squared),
+        offset_of!(Stops, variance),
+        offset_of!(Stops, stage),
+        offset_of!(Stops, is_last),
+        offset_of!(Stops, padding),
+        offset_of!(Stops, padding) + 4,
+        offset_of!(Stops, padding) + 8,
+    ];
+    assert_eq!(layout(&module, "Stops"), (size_of::<Stops>(), stops));
 
     let (module, _) = valid("unshadowed", &shader::module("unshadowed/shade.wgsl", None));
     type Light = unshadowed::DeviceLight;

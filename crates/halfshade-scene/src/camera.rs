@@ -42,13 +42,28 @@ impl Camera {
         (self.target.as_dvec3() - self.eye.as_dvec3()).normalize_or(DVec3::NEG_Z).as_vec3()
     }
 
-    /// Unit direction in world space through pixel coordinates; pixel (0, 0) is top left and its centre lies at
-    /// (0.5, 0.5). +Y is up unless the camera looks along it; then -Z is.
-    pub fn ray_direction(&self, column: f32, row: f32) -> Vec3 {
+    /// Unit vectors to the right, up and forward.
+    fn axes(&self) -> [Vec3; 3] {
         let forward = self.forward();
         let right =
             forward.cross(Vec3::Y).try_normalize().unwrap_or_else(|| forward.cross(Vec3::NEG_Z).normalize_or(Vec3::X));
-        let up = right.cross(forward);
+        [right, right.cross(forward), forward]
+    }
+
+    /// Pixel coordinates of a point before the eye: those whose [`Self::ray_direction`] leads there.
+    pub fn pixel_at(&self, point: Vec3) -> Option<[f64; 2]> {
+        let offset = point.as_dvec3() - self.eye.as_dvec3();
+        let [x, y, depth] = self.axes().map(|axis| axis.as_dvec3().dot(offset));
+        let [width, height] = self.resolution.map(f64::from);
+        let half_height = (0.5 * f64::from(self.vertical_fov_degrees).to_radians()).tan() * depth;
+        let place = [0.5 * (width + x / half_height * height), 0.5 * height * (1.0 - y / half_height)];
+        (depth > 0.0 && place.iter().all(|place| place.is_finite())).then_some(place)
+    }
+
+    /// Unit direction in world space through pixel coordinates; pixel (0, 0) is top left and its centre lies at
+    /// (0.5, 0.5). +Y is up unless the camera looks along it; then -Z is.
+    pub fn ray_direction(&self, column: f32, row: f32) -> Vec3 {
+        let [right, up, forward] = self.axes();
         let [width, height] = self.resolution.map(|n| n as f32);
         let half_height = (0.5 * self.vertical_fov_degrees.to_radians()).tan();
         let x = (2.0 * column - width) / height * half_height;
@@ -69,6 +84,11 @@ mod tests {
         let (top, bottom) = (camera.ray_direction(100.0, 0.0), camera.ray_direction(100.0, 100.0));
         assert!((top.angle_between(bottom).to_degrees() - 60.0).abs() < 1e-3);
         assert!(top.y > 0.0 && camera.ray_direction(200.0, 50.0).x > 0.0);
+        for (column, row) in [(0.5, 0.5), (30.0, 80.0), (199.5, 12.5)] {
+            let [x, y] = camera.pixel_at(7.0 * camera.ray_direction(column, row)).unwrap();
+            assert!((x - f64::from(column)).abs() < 1e-4 && (y - f64::from(row)).abs() < 1e-4, "{x} {y}");
+        }
+        assert_eq!(camera.pixel_at(Vec3::Z), None);
         // At any scale.
         for scale in [1e-30, 1e-21, 1e-10, 1e10, 1e30] {
             let scaled = Camera { target: scale * Vec3::new(3.0, 0.0, -4.0), ..camera };

@@ -11,6 +11,7 @@ pub(crate) fn baked(strategy: &dyn Strategy, scene: &Scene, settings: &str) -> B
 
 /// The receivers of `frame`, prepared and shaded.
 pub(crate) fn shade(baked: &mut dyn Baked, frame: &Frame<'_>, receivers: &ReceiverBuffer) -> RadianceBuffer {
+    baked.place_receivers(frame, receivers.view()).unwrap();
     let prepared = baked.prepare(frame).unwrap();
     let mut out = RadianceBuffer::zeros(receivers.len());
     prepared.shade(receivers.view(), out.view_mut());

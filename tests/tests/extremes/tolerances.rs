@@ -32,7 +32,7 @@ pub(crate) fn of(subject: &Subject<'_>, drawn: &Drawn) -> Tolerances {
     let p = &subject.params;
     match subject.name {
         "unshadowed" => unshadowed(p),
-        "ray-traced" => ray_traced(drawn),
+        "ray-traced" => ray_traced(p, drawn),
         "sh-exp" => sh_exp(p, drawn),
         "shadow-field" => shadow_field(p, drawn),
         "cosine-lobe" => cosine_lobe(p),
@@ -78,7 +78,8 @@ fn unshadowed(p: &Params) -> Tolerances {
     }
 }
 
-fn ray_traced(drawn: &Drawn) -> Tolerances {
+fn ray_traced(p: &Params, drawn: &Drawn) -> Tolerances {
+    let is_filtered = p.word("filter") != "none";
     Tolerances {
         below: Ok(0.0),
         // The same directions, of which some are blocked.
@@ -88,7 +89,13 @@ fn ray_traced(drawn: &Drawn) -> Tolerances {
         turned: Err("directions are drawn about the normal in a frame that doesn't turn with the scene"),
         linear: EXACT,
         // The space that rays are traced in is about all objects, which one more moves: rays along surfaces may meet them.
-        brightened: if drawn.is_touching || drawn.rounding() > WELL_CONDITIONED { Err(RAYS) } else { Ok(1e-3) },
+        brightened: match () {
+            () if drawn.is_touching || drawn.rounding() > WELL_CONDITIONED => Err(RAYS),
+            () if is_filtered => {
+                Err("who is darker hears less of neighbours that have stayed bright, and more of others")
+            }
+            () => Ok(1e-3),
+        },
         jump: Err(RAYS),
     }
 }

@@ -1,7 +1,7 @@
 //! The buffers of a frame's rays, for callers of single functions.
 
 use super::{
-    frame::{FrameRows, FrameUniforms, lasting_rows},
+    frame::{FrameRows, FrameUniforms, Light, lasting_rows},
     meshes::{DeviceTriangle, Meshes, space_of},
     tables::Tables,
 };
@@ -32,10 +32,14 @@ impl RayBuffers {
         let tables = Tables::new(frame.scene);
         let mut meshes = Meshes::of(frame, &tables.holes);
         let space = space_of(frame, &meshes);
-        let light = LightSampler::new(frame, None);
         let samples = SampleArrays::new(params);
+        let sampler = LightSampler::new(frame, None);
+        let sampler = if samples.is_product { sampler.with_tree() } else { sampler };
+        let irradiance = samples.irradiance(frame.scene);
+        let light = Light { sampler: &sampler, irradiance: irradiance.as_ref() };
         let FrameRows { mut rows, uniforms } = FrameRows::new(frame, &mut meshes, &space, &tables, &light, &samples)?;
-        rows.extend(lasting_rows(&tables, &light));
+        let first = rows.len();
+        rows.extend(lasting_rows(first, &tables, &light));
         let Meshes { nodes, triangles, .. } = meshes;
         Ok(Self { uniforms, nodes, triangles, rows, tables, space })
     }

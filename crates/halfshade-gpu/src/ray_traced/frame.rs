@@ -12,7 +12,7 @@ use halfshade_scene::{
     Frame,
     light::{DistantLight, EnvironmentMap},
 };
-use halfshade_strategies::ray_traced::arrays::{AliasTable, LightSampler, SampleArrays};
+use halfshade_strategies::ray_traced::arrays::{AliasTable, Irradiance, Level, LightSampler, SampleArrays};
 
 /// Settings of a frame, as `ray_traced/frame.wgsl` reads them.
 #[repr(C)]
@@ -39,7 +39,16 @@ pub struct FrameUniforms {
     pub(crate) tables: u32,
     pub(crate) texels: u32,
     pub(crate) aliases: u32,
-    pub(crate) padding: u32,
+    pub(crate) irradiances: u32,
+    pub(crate) grid_cells: f32,
+    pub(crate) levels: u32,
+    pub(crate) level_count: u32,
+    pub(crate) solid_angles: u32,
+    pub(crate) sums: u32,
+    pub(crate) largest: [u32; 2],
+    pub(crate) normal_cells: f32,
+    pub(crate) order: u32,
+    pub(crate) padding: [u32; 3],
 }
 
 /// Rows that change with a frame, and settings that say where they and those that stay begin.
@@ -55,9 +64,10 @@ impl FrameRows {
         meshes: &mut Meshes,
         space: &KernelSpace,
         tables: &Tables,
-        light: &LightSampler,
+        light: &Light<'_>,
         samples: &SampleArrays,
     ) -> Result<Self, GpuError> {
+        let Light { sampler: light, irradiance } = light;
         let instances = meshes.instances(frame, space)?;
         let mut rows: Vec<Row> = instances.concat();
         // Room for objects that can't be met, too: what follows stays where it is.
@@ -68,27 +78,81 @@ impl FrameRows {
             rows.push(bits(light.radiance, 0.0));
         }
         let first_table = rows.len();
-        let first_texel = first_table + tables.rows.len();
-        let texel_count = if let DistantLight::Map(map) = &light.base { map.texels().len() } else { 0 };
+        let places = LightPlaces::new(first_table + tables.rows.len(), light, *irradiance);
         let uniforms = FrameUniforms {
             eye: space.place_sphere(frame.scene.camera.eye, 0.0),
             lights: first_light as u32,
             light_count: light.lights.len() as u32,
             instance_count: instances.len() as u32,
             tables: first_table as u32,
-            texels: first_texel as u32,
-            aliases: (first_texel + texel_count) as u32,
+            texels: places.texels as u32,
+            aliases: places.aliases as u32,
+            irradiances: places.irradiances as u32,
+            grid_cells: irradiance.map_or(0.0, |irradiance| irradiance.grid.cells() as f32),
+            levels: places.levels as u32,
+            solid_angles: places.solid_angles as u32,
+            sums: places.sums as u32,
+            order: places.order as u32,
             ..uniforms(light, samples)
         };
         Ok(Self { rows, uniforms })
     }
 }
 
-/// Rows that stay as long as the light from afar does, behind those of a frame.
-pub(super) fn lasting_rows(tables: &Tables, light: &LightSampler) -> Vec<Row> {
+/// Light of a frame, and all of it that arrives by a normal if rays are to tell only a share.
+pub(super) struct Light<'a> {
+    pub(super) sampler: &'a LightSampler,
+    pub(super) irradiance: Option<&'a Irradiance>,
+}
+
+/// Rows at which what stays of the light begins.
+struct LightPlaces {
+    texels: usize,
+    aliases: usize,
+    irradiances: usize,
+    levels: usize,
+    cells: usize,
+    solid_angles: usize,
+    order: usize,
+    sums: usize,
+}
+
+impl LightPlaces {
+    fn new(first: usize, light: &LightSampler, irradiance: Option<&Irradiance>) -> Self {
+        let texel_count = if let DistantLight::Map(map) = &light.base { map.texels().len() } else { 0 };
+        let aliases = first + texel_count;
+        let irradiances = aliases + light.alias.cells.len().div_ceil(4);
+        let levels = irradiances + irradiance.map_or(0, |irradiance| irradiance.table.len());
+        let sizes = light.tree.as_ref().map_or([0; 4], |tree| {
+            let [solid_angles, order] = [tree.solid_angles.len(), tree.order.len()].map(|count| count.div_ceil(4));
+            [tree.levels.len(), tree.cells.len(), solid_angles, order]
+        });
+        let cells = levels + sizes[0];
+        let solid_angles = cells + sizes[1];
+        let order = solid_angles + sizes[2];
+        Self { texels: first, aliases, irradiances, levels, cells, solid_angles, order, sums: order + sizes[3] }
+    }
+}
+
+/// Rows that stay as long as the light from afar does, behind those of a frame, which are `first` many.
+pub(super) fn lasting_rows(first: usize, tables: &Tables, light: &Light<'_>) -> Vec<Row> {
     let mut rows = tables.rows.clone();
-    if let DistantLight::Map(map) = &light.base {
-        rows.extend(map_rows(map, &light.alias));
+    if let DistantLight::Map(map) = &light.sampler.base {
+        rows.extend(map_rows(map, &light.sampler.alias));
+    }
+    let irradiances = light.irradiance.map_or(&[][..], |irradiance| &irradiance.table);
+    rows.extend(irradiances.iter().map(|value| bits(*value, 0.0)));
+    if let Some(tree) = &light.sampler.tree {
+        let places = LightPlaces::new(first + tables.rows.len(), light.sampler, light.irradiance);
+        let level = |level: &Level| {
+            let [columns, rows] = level.size.map(|size| size as u32);
+            [columns, rows, (places.cells + level.first) as u32, level.across.to_bits()]
+        };
+        rows.extend(tree.levels.iter().map(level));
+        rows.extend(tree.cells.iter().map(|cell| cell.to_array().map(f32::to_bits)));
+        rows.extend(fours(tree.solid_angles.iter().map(|angle| angle.to_bits())));
+        rows.extend(fours(tree.order.iter().copied()));
+        rows.extend(fours(tree.sums.iter().map(|sum| sum.to_bits())));
     }
     rows
 }
@@ -129,6 +193,9 @@ fn uniforms(light: &LightSampler, samples: &SampleArrays) -> FrameUniforms {
         sun_power,
         map_width,
         map_height,
+        level_count: light.tree.as_ref().map_or(0, |tree| tree.levels.len() as u32),
+        largest: light.tree.as_ref().map_or([0; 2], |tree| tree.largest.map(|size| size as u32)),
+        normal_cells: light.tree.as_ref().map_or(0.0, |tree| tree.grid.cells() as f32),
         ..FrameUniforms::default()
     }
 }

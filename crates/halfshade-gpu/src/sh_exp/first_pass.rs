@@ -90,7 +90,7 @@ impl DeviceFirstPass {
             true => 2 * i as u32,
             false => cuts.as_ref().map_or(0, |cuts| cuts[i]),
         };
-        let points = ResidentReceivers::new(gpu, frame, points.view(), &group)?;
+        let points = ResidentReceivers::new(gpu, frame, points.view(), &group, 0)?;
         if points.parts() > 1 {
             return Err(GpuError::Refused("there are more sample points of spheres than a dispatch takes".into()));
         }

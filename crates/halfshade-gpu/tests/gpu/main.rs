@@ -53,7 +53,16 @@ const SH_EXP_BESIDE: [&str; 9] = [
 
 /// Settings of `ray-traced` that are compared with the CPU: by light and by cosine alone, and more samples than one dispatch
 /// takes.
-const RAYS: [&str; 3] = ["samples=16,sampling=light", "samples=16,sampling=cosine", "samples=100"];
+const RAYS: [&str; 8] = [
+    "plain,samples=16,sampling=light",
+    "plain,samples=16,sampling=cosine",
+    "plain,samples=100",
+    "samples=100,sampling=mis",
+    "samples=1",
+    "samples=100",
+    "samples=5,estimator=plain",
+    "samples=16,filter=edge-avoiding,filter-levels=3",
+];
 
 /// Settings of `shadow-field` that are held to its contract, and those that are compared with the CPU beside them: every
 /// number of bands, which cost seconds of compiling each.
@@ -157,7 +166,12 @@ fn subjects() -> Vec<(&'static str, &'static str, Bounds)> {
     let ringing = Bounds { brightening: 0.2, ..table };
     // Samples are turned neither with the scene nor with its number of blockers; 64 of a mirrored lamp err as much on the CPU.
     let noise = Bounds { constant: 1e-4, quadrature: 0.6, gloss: 0.8, rotation: 0.5, brightening: 0.5 };
-    let mut subjects = vec![("unshadowed", "", table), ("ray-traced", "samples=64", noise)];
+    let mut subjects = vec![("unshadowed", "", table), ("ray-traced", "plain,samples=64", noise)];
+    subjects.push((
+        "ray-traced",
+        "samples=70,filter=edge-avoiding",
+        Bounds { constant: 1e-5, quadrature: 0.01, ..noise },
+    ));
     subjects.extend(SH_EXP.map(|settings| ("sh-exp", settings, ringing)));
     // Four bands of everything, as on the CPU.
     let few_bands = Bounds { constant: 0.02, quadrature: 0.5, gloss: 3.0, rotation: 0.1, brightening: 0.2 };

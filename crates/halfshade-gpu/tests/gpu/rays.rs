@@ -16,7 +16,13 @@ use libtest_mimic::Failed;
 use std::sync::Arc;
 
 /// Settings by which glossy receivers are shaded: by reflectance and light together, in more than one dispatch, and by either.
-pub(super) const GLOSS: [&str; 3] = ["samples=70", "samples=16,sampling=cosine", "samples=16,sampling=light"];
+pub(super) const GLOSS: [&str; 5] = [
+    "plain,samples=70",
+    "plain,samples=16,sampling=cosine",
+    "plain,samples=16,sampling=light",
+    "samples=70",
+    "samples=16,filter=edge-avoiding",
+];
 
 /// Every model of reflectance and a sharp lobe, at vertices and between them.
 pub(super) fn shades_gloss(strategies: [&dyn Strategy; 2], settings: &str) -> Result<(), Failed> {
@@ -60,7 +66,7 @@ pub(super) fn passes_through_holes(strategies: [&dyn Strategy; 2]) -> Result<(),
             Object::new(format!("sheet {i}"), mesh).pose(pose)
         }));
         let receivers = ReceiverBuffer::vertices(&scene.frame(0));
-        compare_in(strategies, &scene, &receivers, "samples=16")
+        compare_in(strategies, &scene, &receivers, "plain,samples=16")
             .map_err(|problem| format!("light {light}: {problem}"))?;
     }
     Ok(())

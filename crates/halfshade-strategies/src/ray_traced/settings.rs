@@ -11,6 +11,8 @@ choice! {
         Light = "light",
         /// half and half, weighted by the density of the mixture
         Both = "mis",
+        /// by light times cosine, light by light [Clarberg2005]; of glossy receivers as `mis`
+        Product = "product",
     }
 }
 
@@ -24,15 +26,33 @@ choice! {
     }
 }
 
+choice! {
+    /// Mean over neighbours.
+    pub(super) enum Filter {
+        /// each receiver by itself
+        None = "none",
+        /// shares of receivers that are alike, over steps that double [Dammertz2010]
+        EdgeAvoiding = "edge-avoiding",
+    }
+}
+
 settings! {
     /// Everything that can be set.
     pub(super) struct Settings {
         /// rays per receiver
         "samples" => samples: u32 = 16, in 1..=4096;
         /// how directions are drawn
-        "sampling" => sampling: Sampling = Sampling::Both;
+        "sampling" => sampling: Sampling = Sampling::Product;
         /// what is made of them
-        "estimator" => estimator: Estimator = Estimator::Plain;
+        "estimator" => estimator: Estimator = Estimator::Ratio;
+        /// what neighbours tell each other: pixels of a picture, vertices of a mesh
+        "filter" => filter: Filter = Filter::None;
+        /// times that a filter looks twice as far
+        "filter-levels" => filter_levels: u32 = 3, in 1..=8;
+        /// degrees between normals from which on neighbours tell each other nothing
+        "filter-angle" => filter_angle: f32 = 30.0, in 1.0..=90.0;
+        /// standard deviations between shares from which on they don't
+        "filter-deviations" => filter_deviations: f32 = 4.0, in 0.0..=1000.0;
     }
 }
 
@@ -42,7 +62,7 @@ impl Sampling {
         match self {
             Self::Cosine => 1.0,
             Self::Light => 0.0,
-            Self::Both => 0.5,
+            Self::Both | Self::Product => 0.5,
         }
     }
 }

@@ -83,11 +83,14 @@ impl<'a> FrameIrradiance<'a> {
 
     /// Irradiance at a receiver with unit `normal`.
     pub(crate) fn at(&self, position: Vec3, normal: Vec3) -> Vec3 {
+        self.parts(position, normal).sum()
+    }
+
+    /// The same light by light: of the environment without its sun, of the sun, of each local light.
+    pub(crate) fn parts(&self, position: Vec3, normal: Vec3) -> impl Iterator<Item = Vec3> {
         let normal_in_environment = self.environment_from_world * normal;
-        let mut irradiance = self.distant.at(normal_in_environment);
-        if let Some(sun) = self.sun {
-            irradiance += sun.irradiance(normal_in_environment);
-        }
-        self.lights.iter().fold(irradiance, |sum, light| sum + light.irradiance(position, normal))
+        let sun = self.sun.map_or(Vec3::ZERO, |sun| sun.irradiance(normal_in_environment));
+        let local = self.lights.iter().map(move |light| light.irradiance(position, normal));
+        [self.distant.at(normal_in_environment), sun].into_iter().chain(local)
     }
 }

@@ -176,7 +176,7 @@ fn published_and_clamped_reflections_see_every_colour() {
 fn direct_light_keeps_every_colour() {
     let scenes: Vec<_> = coloured().into_iter().chain(with_lamps()).collect();
     every_channel_is_as_it_is_alone(&Unshadowed, "", &scenes);
-    every_channel_is_as_it_is_alone(&RayTraced, "samples=8,sampling=cosine", &scenes);
+    every_channel_is_as_it_is_alone(&RayTraced, "plain,samples=8,sampling=cosine", &scenes);
 }
 
 /// A light that takes on a colour after baking colours what grey surfaces reflect.

@@ -70,7 +70,7 @@ fn surfaces_do_not_shadow_themselves_in_large_scenes() {
         }
     };
     whole_sky_is_seen(&ShadowField::default(), "sampling=together,shells=4,resolution=4,map=32");
-    whole_sky_is_seen(&RayTraced, "samples=64,sampling=cosine");
+    whole_sky_is_seen(&RayTraced, "plain,samples=64,sampling=cosine");
 }
 
 /// A lamp that touches a wall lights it: rays to it end before what lies behind.

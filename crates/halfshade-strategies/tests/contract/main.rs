@@ -19,26 +19,43 @@ contract_tests!(unshadowed, Unshadowed, "", TABLE);
 /// Noise: samples are turned neither with the scene nor with its number of blockers.
 const NOISE: Bounds = Bounds { constant: 1e-4, quadrature: 0.1, gloss: 0.1, rotation: 0.25, brightening: 0.25 };
 
-contract_tests!(ray_traced_mis, RayTraced, "samples=256", Bounds { quadrature: 0.15, gloss: 0.15, ..NOISE });
+contract_tests!(ray_traced_mis, RayTraced, "plain,samples=256", Bounds { quadrature: 0.15, gloss: 0.15, ..NOISE });
 contract_tests!(
     ray_traced_light,
     RayTraced,
-    "samples=512,sampling=light",
+    "plain,samples=512,sampling=light",
     Bounds { quadrature: 0.3, gloss: 0.3, constant: 0.1, ..NOISE }
 );
 // One ray in five hundred finds the sun, one in ninety the lamp.
 contract_tests!(
     ray_traced_cosine,
     RayTraced,
-    "samples=1024,sampling=cosine",
+    "plain,samples=1024,sampling=cosine",
     Bounds { quadrature: 0.8, gloss: 1.2, rotation: 1.5, brightening: 1.5, ..NOISE }
 );
 
 contract_tests!(
     ray_traced_ratio,
     RayTraced,
-    "samples=256,estimator=ratio",
+    "samples=256,sampling=mis",
     Bounds { quadrature: 0.15, gloss: 0.15, brightening: 0.0, ..NOISE }
+);
+
+/// Light is known: as good as a table without blockers.
+const SHARES: Bounds = Bounds { constant: 1e-5, quadrature: 0.01, gloss: 0.15, rotation: 0.1, brightening: 1e-6 };
+
+contract_tests!(ray_traced_product, RayTraced, "samples=256", SHARES);
+contract_tests!(
+    ray_traced_product_unbiased,
+    RayTraced,
+    "samples=256,estimator=plain",
+    Bounds { quadrature: 0.1, gloss: 0.15, rotation: 0.1, brightening: 0.1, ..NOISE }
+);
+contract_tests!(
+    ray_traced_filtered,
+    RayTraced,
+    "samples=64,filter=edge-avoiding",
+    Bounds { gloss: 0.8, rotation: 0.3, ..SHARES }
 );
 
 /// Ringing of four bands under a sun: a blocker beside the sun may brighten its ray.

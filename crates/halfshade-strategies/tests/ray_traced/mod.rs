@@ -1,3 +1,4 @@
 //! Ray tracing.
 
 mod cutouts;
+mod few_rays;

@@ -3,8 +3,10 @@
 mod combinations;
 mod distant_light;
 mod fields;
+mod irradiance;
 mod light;
 mod mask;
+mod product;
 mod rays;
 mod receivers;
 mod reflectance;
@@ -56,6 +58,10 @@ pub(super) const TESTS: &[(&str, Test)] = &[
     ("eye_lobes", reflectance::eye_lobes),
     ("reflector", reflectance::reflector),
     ("light", sampler::light),
+    ("irradiance", irradiance::irradiance),
+    ("sequence", product::sequence),
+    ("light_tree", product::light_tree),
+    ("stops", product::stops),
     ("traverse", traverse::traverse),
     ("cutout", traverse::cutout),
     ("mask_four", mask::four),

@@ -167,7 +167,7 @@ fn lit((is_there, radiance): (bool, Vec3)) -> DVec3 {
 }
 
 /// Maps, suns down to a tenth of a milliradian, lamps near, far and around; light from nowhere.
-fn scenes(random: &mut Pcg64Mcg) -> Vec<Scene> {
+pub(super) fn scenes(random: &mut Pcg64Mcg) -> Vec<Scene> {
     let sun = |angular_radius: f32| Sun {
         direction: Vec3::new(0.36, 0.48, 0.8),
         angular_radius,
@@ -227,7 +227,7 @@ fn in_scene(number: usize, error: &Failed) -> Failed {
 }
 
 /// A place in a lamp, on its surface, or anywhere.
-fn position(number: usize, random: &mut Pcg64Mcg) -> DVec3 {
+pub(super) fn position(number: usize, random: &mut Pcg64Mcg) -> DVec3 {
     match number % 16 {
         0 => DVec3::ZERO,
         1 => 0.25 * DVec3::X,

@@ -1,5 +1,6 @@
 //! Directions drawn where the light is.
 
+use super::light_tree::LightTree;
 use glam::{DVec3, Mat3, Vec3};
 use halfshade_scene::{
     Frame, SphereLight,
@@ -16,6 +17,8 @@ pub struct LightSampler {
     pub base: DistantLight,
     /// Its texels in proportion to their power.
     pub alias: AliasTable,
+    /// The same by light times cosine, once it has been asked for.
+    pub tree: Option<LightTree>,
     /// ∫ of the base's radiance over the directions that are drawn: all of them for a map, a hemisphere for constant light.
     pub base_power: f64,
     /// The sun and its power.
@@ -28,7 +31,7 @@ pub struct LightSampler {
 
 /// A local light as one receiver sees it.
 #[derive(Clone, Copy)]
-struct Cap {
+pub(crate) struct Cap {
     axis: DVec3,
     one_minus_cosine: f64,
 }
@@ -38,7 +41,7 @@ fn total(radiance: Vec3) -> f64 {
 }
 
 impl Cap {
-    fn of(light: &SphereLight, position: Vec3) -> Self {
+    pub(crate) fn of(light: &SphereLight, position: Vec3) -> Self {
         let offset = (light.center - position).as_dvec3();
         let (distance, radius) = (offset.length(), f64::from(light.radius));
         if distance <= radius {
@@ -48,12 +51,12 @@ impl Cap {
         Self { axis: offset / distance, one_minus_cosine: sine_squared / (1.0 + (1.0 - sine_squared).sqrt()) }
     }
 
-    fn of_sun(sun: &Sun) -> Self {
+    pub(crate) fn of_sun(sun: &Sun) -> Self {
         let one_minus_cosine = 2.0 * (0.5 * f64::from(sun.angular_radius)).sin().powi(2);
         Self { axis: sun.direction.as_dvec3().normalize_or(DVec3::Y), one_minus_cosine }
     }
 
-    fn solid_angle(&self) -> f64 {
+    pub(crate) fn solid_angle(&self) -> f64 {
         TAU * self.one_minus_cosine
     }
 
@@ -61,8 +64,17 @@ impl Cap {
         0.5 * direction.distance_squared(self.axis) <= self.one_minus_cosine
     }
 
-    fn sample(&self, u: f64, v: f64) -> DVec3 {
+    pub(crate) fn sample(&self, [u, v]: [f64; 2]) -> DVec3 {
         about(self.axis, u * self.one_minus_cosine, v)
+    }
+
+    /// To the surface of the light, along a unit direction that meets it.
+    pub(crate) fn distance(light: &SphereLight, position: Vec3, direction: DVec3) -> f32 {
+        let offset = (light.center - position).as_dvec3();
+        let along = offset.dot(direction);
+        let half_chord = (f64::from(light.radius).powi(2) - offset.length_squared() + along * along).max(0.0).sqrt();
+        let near = along - half_chord;
+        (if near > 0.0 { near } else { along + half_chord }) as f32
     }
 }
 
@@ -83,10 +95,10 @@ impl LightSampler {
     /// Takes over the alias table of `previous` if the map is the same.
     pub fn new(frame: &Frame<'_>, previous: Option<Self>) -> Self {
         let environment = &frame.scene.environment;
-        let alias = match (&environment.base, previous) {
-            (base, Some(old)) if old.base.is_same_as(base) => old.alias,
-            (DistantLight::Map(map), _) => AliasTable::new(&texel_powers(map)),
-            (DistantLight::Constant(_), _) => AliasTable::default(),
+        let (alias, tree) = match (&environment.base, previous) {
+            (base, Some(old)) if old.base.is_same_as(base) => (old.alias, old.tree),
+            (DistantLight::Map(map), _) => (AliasTable::new(&texel_powers(map)), None),
+            (DistantLight::Constant(_), _) => (AliasTable::default(), None),
         };
         let base_power = match &environment.base {
             DistantLight::Constant(radiance) => TAU * total(*radiance),
@@ -96,11 +108,20 @@ impl LightSampler {
         Self {
             base: environment.base.clone(),
             alias,
+            tree,
             base_power,
             sun,
             lights: frame.lights.clone(),
             environment_from_world: Mat3::from_quat(frame.world_from_environment.normalize().conjugate()),
         }
+    }
+
+    /// Makes directions of a map be drawn by light times cosine, too.
+    pub fn with_tree(mut self) -> Self {
+        if let (DistantLight::Map(map), None) = (&self.base, &self.tree) {
+            self.tree = Some(LightTree::new(map));
+        }
+        self
     }
 
     /// Whether drawing by light can do better than drawing by cosine.
@@ -128,14 +149,14 @@ impl LightSampler {
         left -= self.base_power;
         if let Some((sun, sun_power)) = &self.sun {
             if left < *sun_power {
-                return world_from_environment * Cap::of_sun(sun).sample(u, v);
+                return world_from_environment * Cap::of_sun(sun).sample([u, v]);
             }
             left -= sun_power;
         }
         let mut last = normal;
         for light in &self.lights {
             let cap = Cap::of(light, position);
-            last = cap.sample(u, v);
+            last = cap.sample([u, v]);
             left -= total(light.radiance) * cap.solid_angle();
             if left < 0.0 {
                 break;
@@ -166,18 +187,11 @@ impl LightSampler {
     /// The local lights along a ray: radiance, and the distance to the light's surface.
     pub(crate) fn local_radiance(&self, position: Vec3, direction: DVec3) -> impl Iterator<Item = (Vec3, f32)> {
         let hit = move |light: &&SphereLight| Cap::of(light, position).contains(direction);
-        self.lights.iter().filter(hit).map(move |light| {
-            let offset = (light.center - position).as_dvec3();
-            let along = offset.dot(direction);
-            let half_chord =
-                (f64::from(light.radius).powi(2) - offset.length_squared() + along * along).max(0.0).sqrt();
-            let near = along - half_chord;
-            (light.radiance, if near > 0.0 { near } else { along + half_chord } as f32)
-        })
+        self.lights.iter().filter(hit).map(move |light| (light.radiance, Cap::distance(light, position, direction)))
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        size_of_val(self.alias.cells.as_slice())
+        size_of_val(self.alias.cells.as_slice()) + self.tree.as_ref().map_or(0, LightTree::bytes)
     }
 }
 
