@@ -6,6 +6,7 @@
 #import "sh_exp/blocker.wgsl"
 #import "sh_exp/exponential.wgsl"
 #import "sh_exp/ground.wgsl"
+#import "sh_exp/own.wgsl"
 
 // Whether spheres are ordered by power distance.
 override BY_POWER: bool = false;
@@ -23,7 +24,6 @@ const NONE = 0xffffffffu;
 
 struct Gathered {
     radiance: vec3f,
-    // Σ log B_i of those that hide the environment.
     log_sum: Sh,
 }
 
@@ -160,7 +160,7 @@ fn sum_of_nearer(place: u32, position: vec3f, normal: vec3f, cut: Cut, of_skippe
         let other = blockers[i];
         let its_key = order_key(other, position);
         let is_nearer = (its_key < key) || (its_key == key && i < place);
-        if (is_nearer && is_skipped(blockers[place].emitter, other.emitter) == of_skipped) {
+        if (is_nearer && hides(other, cut) && is_skipped(blockers[place].emitter, other.emitter) == of_skipped) {
             let seen = seen_from(other, position, normal);
             if (seen.sin_squared > 0.0) {
                 sum = sh_add_lobe(seen.direction, zonal_log(other, seen.sin_squared, frame.log_table), sum);
@@ -170,14 +170,21 @@ fn sum_of_nearer(place: u32, position: vec3f, normal: vec3f, cut: Cut, of_skippe
     return sum;
 }
 
-// Σ L̃_i Ṽ_i, and Σ log B_i on the way.
-fn gather(position: vec3f, normal: vec3f, cut: Cut) -> Gathered {
-    let brdf = reflectance(normal);
+// Σ L̃_i Ṽ_i, and Σ log B_i on the way. What the own object hides of a receiver that knows it from the mesh, radiates that
+// object's average.
+fn gather(receiver: Receiver, cut: Cut) -> Gathered {
+    let position = receiver.position;
+    let normal = receiver.normal;
+    var brdf = reflectance(normal);
     let form = reflection_form();
     var gathered = Gathered(vec3f(0.0), Sh());
-    // Of all spheres so far, and the light that they have left.
-    var sum = Sh();
+    // Light that the spheres so far have left.
     var left = brdf.h0 * SQRT_4PI;
+    if (OWN_IS_BAKED && knowledge(receiver) >= HAS_VECTORS) {
+        brdf = sh_scaled_plus(sh_product(brdf, own_blocked(receiver)), -1.0, brdf);
+        gathered.radiance = own_average(receiver, cut) * max(left - brdf.h0 * SQRT_4PI, 0.0);
+        left = brdf.h0 * SQRT_4PI;
+    }
     var key = -FARTHEST;
     var place = NONE;
     for (var block = cut.first; block < cut.end; block += 8u) {
@@ -193,23 +200,19 @@ fn gather(position: vec3f, normal: vec3f, cut: Cut) -> Gathered {
                 place = select(next.low_places, next.high_places, k >= 4u)[k & 3u];
             }
             if (place == NONE) {
-                gathered.log_sum = hiding(gathered.log_sum, sum);
                 return gathered;
             }
             let blocker = blockers[place];
             let seen = seen_from(blocker, position, normal);
-            if (seen.sin_squared <= 0.0) {
+            if (seen.sin_squared <= 0.0 || !hides(blocker, cut)) {
                 continue;
             }
             let basis = sh_basis(seen.direction);
             let log = sh_times_bands(basis, zonal_log(blocker, seen.sin_squared, frame.log_table));
             let radiance = radiated(blocker, basis, sqrt(seen.sin_squared), position, normal);
-            if (OWN_IS_BAKED && hides(blocker, cut)) {
-                gathered.log_sum = sh_plus(gathered.log_sum, log);
-            }
             if (IS_PRECOMPUTED || IS_QUADRATIC) {
                 if (any(radiance != vec3f(0.0))) {
-                    var before = sum;
+                    var before = gathered.log_sum;
                     if (IS_QUADRATIC) {
                         before = sum_of_nearer(place, position, normal, cut, false);
                     } else {
@@ -218,23 +221,34 @@ fn gather(position: vec3f, normal: vec3f, cut: Cut) -> Gathered {
                     let visible = exponential_dot(before, brdf, form) - exponential_dot(sh_plus(before, log), brdf, form);
                     gathered.radiance += radiance * visible;
                 }
-                sum = sh_plus(sum, log);
+                gathered.log_sum = sh_plus(gathered.log_sum, log);
             } else {
-                sum = sh_plus(sum, log);
-                let after = exponential_dot(sum, brdf, form);
+                gathered.log_sum = sh_plus(gathered.log_sum, log);
+                let after = exponential_dot(gathered.log_sum, brdf, form);
                 gathered.radiance += radiance * (left - after);
                 left = after;
             }
         }
     }
-    gathered.log_sum = hiding(gathered.log_sum, sum);
     return gathered;
 }
 
-// The sum over those that hide the environment, which are all unless meshes tell what objects hide from themselves.
-fn hiding(of_hiding: Sh, of_all: Sh) -> Sh {
-    if (OWN_IS_BAKED) {
-        return of_hiding;
+// What the own object radiates on average, sphere by sphere by its solid angle times the receiver's cosine.
+fn own_average(receiver: Receiver, cut: Cut) -> vec3f {
+    var sum = vec3f(0.0);
+    var weights = 0.0;
+    for (var i = cut.first; i < cut.end; i++) {
+        let blocker = blockers[i];
+        if (!hides(blocker, cut)) {
+            let seen = seen_from(blocker, receiver.position, receiver.normal);
+            let weight = seen.sin_squared * max(dot(seen.direction, receiver.normal), 0.0);
+            if (weight > 0.0) {
+                let sine = sqrt(seen.sin_squared);
+                let basis = sh_basis(seen.direction);
+                sum += radiated(blocker, basis, sine, receiver.position, receiver.normal) * weight;
+                weights += weight;
+            }
+        }
     }
-    return of_all;
+    return sum / max(weights, SMALLEST);
 }

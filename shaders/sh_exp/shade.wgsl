@@ -29,7 +29,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     let cut = cut_of_receiver(receiver);
     var gathered = Gathered(vec3f(0.0), Sh());
     if (REFLECTS) {
-        gathered = gather(receiver.position, receiver.normal, cut);
+        gathered = gather(receiver, cut);
     } else if (COMBINATION == EXPONENTIAL) {
         gathered.log_sum = log_sum(receiver.position, receiver.normal, cut);
     }

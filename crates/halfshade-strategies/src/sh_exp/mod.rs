@@ -75,7 +75,7 @@ mod shade;
 
 use bake::{Tables, own::OwnTables};
 use halfshade_scene::{Frame, Progress, Scene, light::OctahedralGrid};
-use halfshade_strategy::{Baked, Effect, Effects, Footprint, Info, Params, Prepared, Strategy, StrategyError};
+use halfshade_strategy::{Baked, Detail, Effect, Effects, Footprint, Info, Params, Prepared, Strategy, StrategyError};
 use prepare::{FirstPass, frame::FrameData, ground::GroundView, light::FrameLight};
 use settings::{PRESETS, Settings, SmallLights};
 use shade::Shader;
@@ -141,6 +141,14 @@ impl Baked for BakedScene {
                 ("ground", data.ground.as_ref().map_or(0, GroundView::bytes)),
             ],
         }
+    }
+
+    fn details(&self) -> Vec<Detail> {
+        let Some(own) = &self.tables.own else { return Vec::new() };
+        let values: Vec<f64> = own.left_to_spheres().map(|object| object as f64).collect();
+        let name =
+            "objects that deform, whose spheres hide them from themselves (own=baked needs a rigid mesh)".to_owned();
+        if values.is_empty() { Vec::new() } else { vec![Detail { name, values }] }
     }
 
     fn prepare(&mut self, frame: &Frame<'_>) -> Result<Box<dyn Prepared + '_>, StrategyError> {

@@ -103,7 +103,7 @@ fn hold(gpu: &Arc<Gpu>, way: Way) -> Result<(), Failed> {
         constants: &[&RULE[..], &constants].concat(),
         rows: [2, 1 + parts],
         body: &format!(
-            "let gathered = gather(input[0].xyz, input[1].xyz, cut_of(u32(input[0].w)));
+            "let gathered = gather(Receiver(input[0].xyz, input[1].xyz, 0u, 0u), cut_of(u32(input[0].w)));
             output[0] = vec4f(gathered.radiance, 0.0);
             {}",
             given("gathered.log_sum", "1u")

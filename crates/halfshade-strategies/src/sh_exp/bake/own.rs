@@ -74,6 +74,11 @@ impl OwnTables {
         self.objects.get(object)?.as_deref()
     }
 
+    /// The objects that deform.
+    pub(crate) fn left_to_spheres(&self) -> impl Iterator<Item = usize> {
+        self.objects.iter().enumerate().filter(|(_, own)| own.is_none()).map(|(object, _)| object)
+    }
+
     pub(crate) fn bytes(&self) -> usize {
         let mut distinct: Vec<&Arc<OwnVectors>> = Vec::new();
         for own in self.objects.iter().flatten() {

@@ -13,7 +13,7 @@
 //! [`Walk::Linear`] sorts the spheres once per receiver and keeps a running sum, from which it takes back the intersecting
 //! neighbours: O(n·m) with m neighbours instead of O(n²/2), as chapter 6 hopes for.
 
-use super::{Blocker, Blockers, Receivers8, dot_shared, traced::Traced};
+use super::{Blocker, Blockers, Receivers8, blocker::Seen, dot_shared, traced::Traced};
 use crate::{
     sh_exp::settings::{Intersections, Order, Walk},
     shared::vector::dot,
@@ -95,6 +95,35 @@ pub(crate) struct Gather<const N: usize> {
     by_lane: Vec<f32x8>,
     /// S_i, in the same layout.
     nearer: Vec<f32x8>,
+    own: OwnAverage,
+}
+
+/// What the receivers' own object radiates on average where they know from its mesh what it hides.
+#[derive(Debug, Clone, Copy)]
+struct OwnAverage {
+    /// By channel, times `weight`.
+    radiance: [f32x8; 3],
+    weight: f32x8,
+}
+
+impl OwnAverage {
+    const NONE: Self = Self { radiance: [f32x8::ZERO; 3], weight: f32x8::ZERO };
+
+    /// Adds what a sphere radiates, by its solid angle times the receiver's cosine.
+    #[inline(always)]
+    fn add(&mut self, seen: &Seen, radiance: [f32x8; 3], receivers: &Receivers8) {
+        let weight = seen.sin_squared * dot(&seen.direction, &receivers.normal).fast_max(f32x8::ZERO);
+        let weight = receivers.knows_own.select(weight, f32x8::ZERO);
+        self.radiance.iter_mut().zip(radiance).for_each(|(sum, l)| *sum = l.mul_add(weight, *sum));
+        self.weight += weight;
+    }
+
+    /// The light of a receiver of which the own object hides this share.
+    #[inline(always)]
+    fn light(&self, share: f32x8) -> [f32x8; 3] {
+        let share = share.fast_max(f32x8::ZERO) / self.weight.fast_max(f32x8::splat(f32::MIN_POSITIVE));
+        self.radiance.map(|l| l * share)
+    }
 }
 
 const UNSEEN: u32 = u32::MAX;
@@ -112,6 +141,7 @@ impl<const N: usize> Gather<N> {
             keys: Vec::with_capacity(most),
             by_lane: vec![f32x8::ZERO; most * Self::PARTS * LANES],
             nearer: vec![f32x8::ZERO; most * Self::PARTS * LANES],
+            own: OwnAverage::NONE,
         }
     }
 
@@ -127,55 +157,48 @@ impl<const N: usize> Gather<N> {
         self.entries.clear();
         self.places.fill(UNSEEN);
         let mut log_sum = [f32x8::ZERO; N];
+        self.own = OwnAverage::NONE;
         for blocker in blockers.list {
-            let Some(seen) = blocker.seen_from(receivers, blockers.rule) else { continue };
+            if blockers.own.contains(blocker.emitter)
+                && receivers.knows_own.any()
+                && let Some(seen) = blocker.seen_from(receivers, blockers.rule)
+            {
+                let basis = kernel::basis::<f32x8, N>(seen.direction);
+                self.own.add(&seen, radiating.radiance_of(blocker, &seen, &basis, receivers), receivers);
+            }
+            let Some(seen) = blockers.hiding(blocker, receivers) else { continue };
             let basis = kernel::basis::<f32x8, N>(seen.direction);
             let scale = blocker.times_factors(blockers.table.lookup::<N>(seen.sin_squared));
             let log = times_bands(&basis, &scale);
-            if blockers.own.contains(blocker.emitter) {
-                let hides = |log: f32x8| receivers.knows_own.select(f32x8::ZERO, log);
-                log_sum.iter_mut().zip(&log).for_each(|(sum, log)| *sum += hides(*log));
-            } else {
-                log_sum.iter_mut().zip(&log).for_each(|(sum, log)| *sum += *log);
-            }
-            let vectors = radiating.vectors.of(blocker.emitter as usize);
-            let radiance = vectors.map_or([f32x8::ZERO; 3], |vectors| {
-                let weights = match radiating.mean_normal {
-                    None => {
-                        let mut form = radiating.form.lookup(seen.sin_squared.sqrt());
-                        // From the sphere to the receiver: the opposite direction turns the sign of odd bands.
-                        form.iter_mut().skip(1).step_by(2).for_each(|f| *f = -*f);
-                        times_bands(&basis, &form)
-                    }
-                    Some(table) => weights_at_mean(blocker, radiating.form, table, receivers),
-                };
-                let radiance = match vectors.as_chunks::<N>().0 {
-                    [grey] => [dot_shared(&weights, grey); 3],
-                    channels => std::array::from_fn(|c| dot_shared(&weights, &channels[c])),
-                };
-                radiance.map(|l| l * f32x8::splat(blocker.reflection_factor))
-            });
+            log_sum.iter_mut().zip(&log).for_each(|(sum, log)| *sum += *log);
             self.places[blocker.emitter as usize] = self.entries.len() as u32;
             self.entries.push(Entry {
                 sphere: blocker.emitter,
                 log,
                 key: order_key(blocker, &receivers.position, radiating.order),
-                radiance,
-                shines: vectors.is_some(),
+                radiance: radiating.radiance_of(blocker, &seen, &basis, receivers),
+                shines: radiating.vectors.shines[blocker.emitter as usize],
             });
         }
         log_sum
     }
 
-    /// Outgoing radiance of white receivers, by channel, after [`Self::see`].
+    /// Outgoing radiance of white receivers, by channel, after [`Self::see`]; `past_own` is what they see past their own
+    /// object, if they know it from its mesh. That object radiates its average where it hides the rest.
     #[inline(never)]
-    pub(crate) fn radiance(&mut self, radiating: &Radiating<'_>, normal: &[f32x8; 3]) -> [f32x8; 3] {
-        let mut radiance = [f32x8::ZERO; 3];
+    pub(crate) fn radiance(
+        &mut self,
+        radiating: &Radiating<'_>,
+        normal: &[f32x8; 3],
+        past_own: Option<&ShBatch<N>>,
+    ) -> [f32x8; 3] {
+        let (brdf, mut radiance) = self.past_own(radiating, normal, past_own);
         if (radiating.walk, radiating.intersections) == (Walk::Linear, Intersections::Ordered) {
             self.walk();
-            return self.handed_on(radiating.exponential, &radiating.brdf(normal));
+            let others = self.handed_on(radiating.exponential, &brdf);
+            return std::array::from_fn(|channel| radiance[channel] + others[channel]);
         }
-        self.each_visible(radiating, normal, |entry, visible| {
+        self.each_visible(radiating, &brdf, |entry, visible| {
             radiance.iter_mut().zip(entry.radiance).for_each(|(sum, l)| *sum = l.mul_add(visible, *sum));
         });
         radiance
@@ -186,20 +209,35 @@ impl<const N: usize> Gather<N> {
         &self,
         radiating: &Radiating<'_>,
         normal: &[f32x8; 3],
+        past_own: Option<&ShBatch<N>>,
         traced: &mut Traced<N>,
     ) -> [f32x8; 3] {
-        let mut radiance = [f32x8::ZERO; 3];
-        let parts = traced.parts(|place| self.entries[place].key, &radiating.brdf(normal));
+        let (brdf, mut radiance) = self.past_own(radiating, normal, past_own);
+        let parts = traced.parts(|place| self.entries[place].key, &brdf);
         for (entry, &visible) in self.entries.iter().zip(parts) {
             radiance.iter_mut().zip(entry.radiance).for_each(|(sum, l)| *sum = l.mul_add(visible, *sum));
         }
         radiance
     }
 
+    /// ρ_n past the own object, and the light of that.
+    #[inline(always)]
+    fn past_own(
+        &self,
+        radiating: &Radiating<'_>,
+        normal: &[f32x8; 3],
+        past_own: Option<&ShBatch<N>>,
+    ) -> (ShBatch<N>, [f32x8; 3]) {
+        let brdf = radiating.brdf(normal);
+        let Some(visibility) = past_own else { return (brdf, [f32x8::ZERO; 3]) };
+        let past = kernel::product(&brdf, visibility);
+        (past, self.own.light((brdf[0] - past[0]) * f32x8::splat(kernel::FULL)))
+    }
+
     /// Sum over channels of what each sphere radiates to the receiver in the first lane, after [`Self::see`].
     pub(crate) fn parts(&mut self, radiating: &Radiating<'_>, normal: &[f32x8; 3]) -> Vec<(u32, f32)> {
         let mut parts = Vec::with_capacity(self.entries.len());
-        self.each_visible(radiating, normal, |entry, visible| {
+        self.each_visible(radiating, &radiating.brdf(normal), |entry, visible| {
             let [r, g, b] = entry.radiance;
             parts.push((entry.sphere, ((r + g + b) * visible).as_array()[0]));
         });
@@ -208,8 +246,7 @@ impl<const N: usize> Gather<N> {
 
     /// Calls `each` with every sphere that shines and its Ṽ.
     #[inline(always)]
-    fn each_visible(&mut self, radiating: &Radiating<'_>, normal: &[f32x8; 3], mut each: impl FnMut(&Entry<N>, f32x8)) {
-        let brdf = radiating.brdf(normal);
+    fn each_visible(&mut self, radiating: &Radiating<'_>, brdf: &ShBatch<N>, mut each: impl FnMut(&Entry<N>, f32x8)) {
         if radiating.walk == Walk::Linear {
             self.walk();
         }
@@ -220,7 +257,7 @@ impl<const N: usize> Gather<N> {
             };
             let after = plus(&before, &entry.log);
             let exponential = radiating.exponential;
-            each(entry, exponential.evaluate_dot(&before, &brdf) - exponential.evaluate_dot(&after, &brdf));
+            each(entry, exponential.evaluate_dot(&before, brdf) - exponential.evaluate_dot(&after, brdf));
         }
     }
 
@@ -386,6 +423,32 @@ impl Radiating<'_> {
             Intersections::Precomputed => &self.neighbours[sphere as usize],
             Intersections::Ordered => &[],
         }
+    }
+
+    /// L̃ of a sphere by channel.
+    #[inline(always)]
+    fn radiance_of<const N: usize>(
+        &self,
+        blocker: &Blocker,
+        seen: &Seen,
+        basis: &ShBatch<N>,
+        receivers: &Receivers8,
+    ) -> [f32x8; 3] {
+        let Some(vectors) = self.vectors.of(blocker.emitter as usize) else { return [f32x8::ZERO; 3] };
+        let weights = match self.mean_normal {
+            None => {
+                let mut form = self.form.lookup(seen.sin_squared.sqrt());
+                // From the sphere to the receiver: the opposite direction turns the sign of odd bands.
+                form.iter_mut().skip(1).step_by(2).for_each(|f| *f = -*f);
+                times_bands(basis, &form)
+            }
+            Some(table) => weights_at_mean(blocker, self.form, table, receivers),
+        };
+        let radiance = match vectors.as_chunks::<N>().0 {
+            [grey] => [dot_shared(&weights, grey); 3],
+            channels => std::array::from_fn(|c| dot_shared(&weights, &channels[c])),
+        };
+        radiance.map(|l| l * f32x8::splat(blocker.reflection_factor))
     }
 
     /// ρ_n of eight normals.

@@ -11,7 +11,7 @@
 //!
 //! with ρ̂_n the clamped cosine over π in as many bands, and w = 4π over the number of directions.
 
-use super::{Blocker, Blockers, Receivers8, blocker::Seen, dot_shared};
+use super::{Blockers, Receivers8, blocker::Seen, dot_shared};
 use crate::shared::vector::dot;
 use glam::DVec3;
 use halfshade_sh::kernel::{self, ShBatch};
@@ -21,17 +21,9 @@ use wide::f32x8;
 pub(crate) struct Traced<const N: usize> {
     /// Unit, in light space, with the basis there times w.
     directions: Vec<([f32; 3], [f32; N])>,
-    seen: Vec<SeenCap>,
+    /// The receivers' view on each sphere, with the cosine of its angular radius; above 1 in a lane that doesn't see it.
+    seen: Vec<(Seen, f32x8)>,
     parts: Vec<f32x8>,
-}
-
-/// The receivers' view on a sphere.
-struct SeenCap {
-    direction: [f32x8; 3],
-    /// Cosine of its angular radius; above 1 in a lane that doesn't see it.
-    cosine: f32x8,
-    /// The same where it hides the environment.
-    hiding: f32x8,
 }
 
 impl<const N: usize> Traced<N> {
@@ -47,21 +39,16 @@ impl<const N: usize> Traced<N> {
     #[inline(never)]
     pub(crate) fn visibility(&mut self, blockers: &Blockers<'_>, receivers: &Receivers8) -> ShBatch<N> {
         self.seen.clear();
-        let seen = |blocker: &Blocker| {
-            let Seen { direction, sin_squared } = blocker.seen_from(receivers, blockers.rule)?;
-            let cosine = (f32x8::ONE - sin_squared).fast_max(f32x8::ZERO).sqrt();
-            let never = f32x8::splat(2.0);
-            let cosine = sin_squared.simd_gt(f32x8::ZERO).select(cosine, never);
-            let is_own = blockers.own.contains(blocker.emitter);
-            let hiding = if is_own { receivers.knows_own.select(never, cosine) } else { cosine };
-            Some(SeenCap { direction, cosine, hiding })
-        };
-        self.seen.extend(blockers.list.iter().filter_map(seen));
+        let seen = blockers.list.iter().filter_map(|blocker| blockers.hiding(blocker, receivers));
+        self.seen.extend(seen.map(|seen| {
+            let cosine = (f32x8::ONE - seen.sin_squared).fast_max(f32x8::ZERO).sqrt();
+            let limit = seen.sin_squared.simd_gt(f32x8::ZERO).select(cosine, f32x8::splat(2.0));
+            (seen, limit)
+        }));
         let mut visibility = [f32x8::ZERO; N];
         visibility[0] = f32x8::splat(kernel::FULL);
         for (direction, values) in &self.directions {
-            let hides = |cap: &SeenCap| cap.cosine_to(direction).simd_ge(cap.hiding);
-            let open = self.seen.iter().fold(f32x8::ONE, |open, cap| hides(cap).select(f32x8::ZERO, open));
+            let open = self.seen.iter().fold(f32x8::ONE, |open, seen| holds(seen, direction).select(f32x8::ZERO, open));
             let blocked = f32x8::ONE - open;
             if blocked.simd_gt(f32x8::ZERO).any() {
                 visibility.iter_mut().zip(values).for_each(|(v, &y)| *v = blocked.mul_neg_add(f32x8::splat(y), *v));
@@ -77,9 +64,9 @@ impl<const N: usize> Traced<N> {
         self.parts.resize(self.seen.len(), f32x8::ZERO);
         for (direction, values) in &self.directions {
             let (mut nearest, mut first) = (f32x8::splat(f32::INFINITY), f32x8::splat(-1.0));
-            for (place, cap) in self.seen.iter().enumerate() {
+            for (place, seen) in self.seen.iter().enumerate() {
                 let key = key(place);
-                let nearer = cap.cosine_to(direction).simd_ge(cap.cosine) & key.simd_lt(nearest);
+                let nearer = holds(seen, direction) & key.simd_lt(nearest);
                 nearest = nearer.select(key, nearest);
                 first = nearer.select(f32x8::splat(place as f32), first);
             }
@@ -95,9 +82,9 @@ impl<const N: usize> Traced<N> {
     }
 }
 
-impl SeenCap {
-    #[inline(always)]
-    fn cosine_to(&self, direction: &[f32; 3]) -> f32x8 {
-        dot(&direction.map(f32x8::splat), &self.direction)
-    }
+/// Where a sphere is seen along a direction.
+#[inline(always)]
+fn holds((seen, limit): &(Seen, f32x8), direction: &[f32; 3]) -> f32x8 {
+    let cosine = dot(&direction.map(f32x8::splat), &seen.direction);
+    cosine.simd_ge(*limit)
 }

@@ -100,13 +100,13 @@ impl<'a, const N: usize> Batches<'a, N> {
             let (knows_own, past_own) = past_own.unwrap_or((f32x8::ZERO, None));
             let eight = Receivers8 { position, normal, knows_own };
             let mut visibility = self.visibility(&blockers, &eight);
-            if let Some(past_own) = past_own {
-                visibility = kernel::product(&visibility, &past_own);
+            if let Some(past_own) = &past_own {
+                visibility = kernel::product(&visibility, past_own);
                 kernel::limit_to_visibility(&mut visibility);
             }
             let mut radiance = data.light.by_normal.dot(&normal, &visibility, tables.clamp);
             self.add_ground(receivers.object[start], &eight, &visibility, &mut radiance);
-            self.add_reflected(&eight, &mut radiance);
+            self.add_reflected(&eight, past_own.as_ref(), &mut radiance);
             if !data.lamps.is_empty() {
                 let open = |direction: &[f32x8; 3]| own.as_ref().map_or(f32x8::ONE, |own| own.open(direction, surface));
                 let lit = self.lamps.radiance(&data.lamps, &blockers, &eight, open);
@@ -177,12 +177,12 @@ impl<'a, const N: usize> Batches<'a, N> {
 
     /// Adds the light that spheres reflect, after [`Self::visibility`].
     #[inline(always)]
-    fn add_reflected(&mut self, receivers: &Receivers8, radiance: &mut [f32x8; 3]) {
+    fn add_reflected(&mut self, receivers: &Receivers8, past_own: Option<&ShBatch<N>>, radiance: &mut [f32x8; 3]) {
         let Some(Reflected { radiating, gather, .. }) = &mut self.reflections else { return };
         let reflected = match &mut self.finder {
-            Finder::Traced(traced) => gather.radiance_of_traced(radiating, &receivers.normal, traced),
+            Finder::Traced(traced) => gather.radiance_of_traced(radiating, &receivers.normal, past_own, traced),
             Finder::Product | Finder::Shares(_) | Finder::Exponential(_) => {
-                gather.radiance(radiating, &receivers.normal)
+                gather.radiance(radiating, &receivers.normal, past_own)
             }
         };
         let least = f32x8::splat(if self.tables.clamp { 0.0 } else { f32::NEG_INFINITY });
