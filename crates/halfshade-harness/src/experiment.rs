@@ -136,7 +136,7 @@ pub struct SceneEntry {
     /// Leaf spheres in all, if other than the scene's; then the scene's name says so.
     #[serde(default, deserialize_with = "fields::sphere_count")]
     pub spheres: Option<NonZeroUsize>,
-    /// What all sphere sets are fitted to, if other than the scene's; then the scene's name says so.
+    /// Aim of all sphere sets, if other than the scene's; then the scene's name says so.
     pub fit: Option<SphereFit>,
     /// Published figures to stand beside ours.
     #[serde(default)]

@@ -15,7 +15,7 @@ pub struct Object {
     pub material: Material,
     /// Number of leaf spheres that approximate it as a blocker; 0: it receives only.
     pub sphere_count: usize,
-    /// What they are fitted to.
+    /// Aim of their fit.
     pub fit: SphereFit,
     /// The sphere set in object space, once built (see [`crate::spheres`]); empty when `sphere_count` is 0.
     pub spheres: Option<Arc<SphereSet>>,

@@ -1,4 +1,4 @@
-//! What a sphere set hides against what its mesh hides, ray by ray: shares nothing with the fit but the rays' own crate and
+//! Light that a sphere set hides against that which its mesh hides, ray by ray. Shares nothing with the fit but the rays' own crate and
 //! the rule by which a receiver on the surface sees spheres that it lies in.
 
 use glam::{DMat3, DVec3, Vec3};

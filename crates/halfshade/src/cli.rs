@@ -200,7 +200,7 @@ pub struct SpheresArguments {
     /// How many spheres, at most 2000.
     #[arg(short = 'n', long, value_name = "COUNT", value_parser = sphere_count)]
     pub count: usize,
-    /// What the spheres are fitted to.
+    /// Aim of the fit.
     #[arg(long, value_enum, default_value_t = FitChoice::Bounding)]
     pub fit: FitChoice,
     /// Write the set as JSON.

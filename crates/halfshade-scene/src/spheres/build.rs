@@ -37,7 +37,7 @@ pub const MAX_SPHERES: usize = SURFACE_POINTS / 3;
 /// Options of fitting a sphere set.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct BuildOptions {
-    /// What the spheres are fitted to.
+    /// Aim of the fit.
     pub fit: SphereFit,
     /// Seed of every random choice: the same seed gives the same bits on one thread or many.
     pub seed: u64,

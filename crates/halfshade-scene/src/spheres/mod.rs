@@ -54,7 +54,7 @@ pub enum SphereFit {
 pub struct SphereSet {
     /// The leaf spheres, in the mesh's own coordinates.
     pub spheres: Vec<Sphere>,
-    /// What they were fitted to.
+    /// Aim of their fit.
     pub fit: SphereFit,
     /// Volume of the union of the spheres outside the mesh, as a fraction of the mesh's volume. Where the mesh
     /// encloses no volume: the volume of the union, as a fraction of that of a sphere around the mesh (a note says so).

@@ -1,4 +1,4 @@
-//! What spheres hide from a receiver, and how that changes as they move and grow.
+//! Light that spheres hide from a receiver, and how it changes as they move and grow.
 //!
 //! Each sphere is first adjusted to the receiver by the continuous rule, as strategies and the sphere reference do (see
 //! `adjust.rs`): a receiver on the object's own surface, inside some of its spheres, sees the rest of them. Along a ray d the
@@ -30,7 +30,7 @@ struct Cap {
     slopes: Vec<[f64; 4]>,
 }
 
-/// What a receiver sees of some spheres along each of its rays.
+/// Spheres as a receiver sees them along each of its rays.
 struct Seen {
     caps: Vec<Cap>,
     /// Largest depth in a cap.
@@ -95,7 +95,7 @@ impl Seen {
         Self { caps, depth, deepest }
     }
 
-    /// What caps hide less what the mesh hides, by cell. Adds up the slopes of each cap.
+    /// Light that caps hide less that which the mesh hides, by cell. Adds up the slopes of each cap.
     fn errors_by_cell(&mut self, receiver: &Receiver) -> Vec<f64> {
         let mut errors = vec![0.0; receiver.cell_share.len()];
         let [x, y, z] = &receiver.direction;
