@@ -5,5 +5,5 @@
 // The part of four directions that is left behind a cap; `rest` is 1 less the part that is closed at the edge.
 fn closed(open: vec4f, four: Four, sharpness: vec4f, cap: Cap, rest: f32) -> vec4f {
     let inside = along(four, cap.axis) - cap.cotangent;
-    return open * clamp(fma(-inside, sharpness, vec4f(rest)), vec4f(0.0), vec4f(1.0));
+    return min(open, max(fma(-inside, sharpness, vec4f(rest)), vec4f(0.0)));
 }

@@ -103,5 +103,5 @@ fn closed_before(open: vec4f, shift: Four, view: LampView, cap: LampCap) -> vec4
     let chord = moved(shift, cap.offset);
     let chord_squared = fma(chord.x, chord.x, fma(chord.y, chord.y, chord.z * chord.z));
     let inside = cap.versine * cap.per_sine - chord_squared * (0.5 * cap.per_sine);
-    return open * clamp(fma(-inside, vec4f(view.sharpness), vec4f(cap.rest)), vec4f(0.0), vec4f(1.0));
+    return min(open, max(fma(-inside, vec4f(view.sharpness), vec4f(cap.rest)), vec4f(0.0)));
 }

@@ -14,16 +14,16 @@
 //!
 //! **Edges.** A direction stands for a cell of all directions. `edge=0` leaves it open or closes it, which makes v a mask of bits; by
 //! default an edge that crosses the cell closes a part of it, see `kernel/directions.rs`, and spheres that are smaller than the
-//! cell close the part that they cover. It takes half of the error away at a fifth more time. Cells that several edges cross are
-//! closed as if those were independent.
+//! cell close the part that they cover. It takes up to half of the error away at no more time. Where several edges cross a cell, the
+//! one that closes most of it counts: a product of what each leaves would err as much and take longer.
 //!
 //! **Directions** are the same for all receivers of about the same normal: there is no noise, and what one receiver misses its
 //! neighbour misses too. Where neighbours lie nearer to another node, a step shows that is as large as the error. A
 //! set for each node errs half as much as one set for all (`normals=0`), of whose directions half lie below the horizon.
 //!
-//! **Arithmetic, no table.** A cap closes eight directions by three products, a comparison with its edge and a product with what was
-//! open. A table of the closed directions by axis and radius needs a tenth of the operations, but a table per set of directions that no cache
-//! holds, and has neither edges nor lamps.
+//! **Arithmetic, no table.** A cap closes eight directions in five operations: three products for the cosine, one for the edge, a
+//! minimum. A table of closed directions by axis and radius needs fewer, but would be one per set of directions, more than a
+//! cache holds, and has neither edges nor lamps.
 //!
 //! **Own object.** `own=baked` traces once what each mesh hides from its vertices (`kernel/own.rs`), which is interpolated between them,
 //! and leaves the object's own spheres out. Objects that deform, and receivers that lie nowhere on a mesh or are seen from

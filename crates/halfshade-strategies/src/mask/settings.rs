@@ -21,7 +21,7 @@ settings! {
         /// cells of the grid of normals that have directions of their own, from its centre to its side; 0: one set for all
         "normals" => normals: usize = 3, in 0..=8;
         /// width over which a sphere's edge closes a direction, in radii of the direction's cell; 0: it is open or closed
-        "edge" => edge: f32 = 1.2, in 0.0..=2.0;
+        "edge" => edge: f32 = 1.0, in 0.0..=2.0;
         /// hiding of light by a receiver's own object
         "own" => own: Own = Own::Baked;
         /// for own=baked: cells along the side of the octahedral grid of directions

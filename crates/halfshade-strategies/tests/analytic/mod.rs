@@ -52,7 +52,6 @@ fn many_spheres_that_overlap_are_far_too_dark() {
     {
         for (case, bound) in sphere_scenes().iter().zip(bounds) {
             let error = error_of(environment.clone(), &case.spheres);
-            println!("{light}, {}: {error:.4}", case.name);
             assert!(error < bound, "{light}, {}: {error}", case.name);
         }
     }

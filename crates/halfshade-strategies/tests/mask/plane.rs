@@ -31,7 +31,6 @@ fn errors_over_a_plane() {
             ] {
                 let [found, unshadowed] = found(&scene, &receivers, settings);
                 let error = error(&found, &unshadowed, &seen);
-                println!("{light}, {}, {settings}: {error:.4}", case.name);
                 assert!(error < bound, "{light}, {}, {settings}: {error}", case.name);
             }
         }

@@ -261,9 +261,9 @@ mod tests {
     fn irradiance(set: &DirectionSet, channels: usize, normal: Vec3) -> DVec3 {
         let mut sum = DVec3::ZERO;
         for (group, eight) in set.directions.iter().enumerate() {
-            let d = eight.direction.map(f32x8::to_array);
-            for lane in 0..8 {
-                let cosine = Vec3::new(d[0][lane], d[1][lane], d[2][lane]).dot(normal).max(0.0);
+            let [x, y, z] = eight.direction.map(f32x8::to_array);
+            for (lane, direction) in x.into_iter().zip(y).zip(z).map(|((x, y), z)| Vec3::new(x, y, z)).enumerate() {
+                let cosine = direction.dot(normal).max(0.0);
                 for channel in 0..3 {
                     let weights = &set.weights[channel.min(channels - 1)];
                     sum[channel] += f64::from(cosine * weights[group].to_array()[lane]);

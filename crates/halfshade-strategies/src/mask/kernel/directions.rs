@@ -7,8 +7,8 @@
 //! ```
 //!
 //! with r the radius of a disc of the cell's solid angle, w the setting `edge`, and o = 1/2. Where θ < w r the edge closes
-//! before it opens: with q = θ/(w r), o = √q - q/2 makes the integral of h over all ω that of the cap, π θ² for small θ. What
-//! several caps leave of a cell is the product of what each leaves.
+//! before it opens: with q = θ/(w r), o = √q - q/2 makes the integral of h over all ω that of the cap, π θ² for small θ. Where
+//! several caps reach into a cell, the one that closes most of it counts.
 
 use super::cap::Cap;
 use wide::f32x8;
@@ -36,14 +36,14 @@ pub(crate) struct DirectionSet {
     pub(crate) mean_sharpness: f32,
 }
 
-/// Takes from what is open of directions what a cap closes.
+/// Takes from what is open of directions what a cap closes; what is left may be less than nothing.
 #[inline(always)]
 pub(crate) fn close(open: &mut [f32x8; BLOCK], directions: &[Directions8; BLOCK], cap: &Cap) {
     let [x, y, z] = cap.axis.map(f32x8::splat);
     let (cotangent, rest) = (f32x8::splat(-cap.cotangent), f32x8::splat(1.0 - cap.offset));
     for (open, Directions8 { direction, sharpness }) in open.iter_mut().zip(directions) {
         let inside = direction[0].mul_add(x, direction[1].mul_add(y, direction[2].mul_add(z, cotangent)));
-        *open *= inside.mul_neg_add(*sharpness, rest).fast_max(f32x8::ZERO).fast_min(f32x8::ONE);
+        *open = open.fast_min(inside.mul_neg_add(*sharpness, rest));
     }
 }
 

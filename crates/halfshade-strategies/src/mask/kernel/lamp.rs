@@ -104,7 +104,8 @@ impl LampView {
         spread(self.versine.max(least), within, turn)
     }
 
-    /// Takes from what is open of its directions, given by their `shifts`, what a cap closes.
+    /// Takes from what is open of its directions, given by their `shifts`, what a cap closes; what is left may be less than
+    /// nothing.
     #[inline(always)]
     pub(crate) fn close(&self, open: &mut [f32x8], shifts: &[[f32x8; 3]], cap: &Cap) {
         if cap.distance >= self.distance {
@@ -127,7 +128,7 @@ impl LampView {
             let [a, b, c]: [f32x8; 3] = std::array::from_fn(|k| along[k] + shift[k]);
             let chord_squared = a.mul_add(a, b.mul_add(b, c * c));
             let inside = chord_squared.mul_neg_add(slope, level);
-            *open *= inside.mul_neg_add(sharpness, rest).fast_max(f32x8::ZERO).fast_min(f32x8::ONE);
+            *open = open.fast_min(inside.mul_neg_add(sharpness, rest));
         }
     }
 }

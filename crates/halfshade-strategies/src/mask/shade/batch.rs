@@ -118,7 +118,7 @@ impl<'a> Batch<'a> {
             for (k, open) in open.into_iter().enumerate() {
                 let direction = &block[k].direction;
                 let cosine = direction[0].mul_add(normal[0], direction[1].mul_add(normal[1], direction[2] * normal[2]));
-                let cosine = cosine.fast_max(f32x8::ZERO);
+                let (cosine, open) = (cosine.fast_max(f32x8::ZERO), open.fast_max(f32x8::ZERO));
                 for (channel, weights) in weights.iter().enumerate().take(channels) {
                     let all = cosine * weights[BLOCK * number + k];
                     sums.all[channel] += all;
@@ -175,7 +175,7 @@ impl<'a> Batch<'a> {
             let above = (0..3).fold(level, |sum, k| shift[k].mul_add(f32x8::splat(normal[k]), sum));
             let all = above.fast_max(f32x8::ZERO) * spiral.counts(8 * group);
             sums.all[0] += all;
-            sums.seen[0] = open.mul_add(all, sums.seen[0]);
+            sums.seen[0] = open.fast_max(f32x8::ZERO).mul_add(all, sums.seen[0]);
         }
         (self.shifts, self.open) = (shifts, open);
         sums.shares()[0]
