@@ -19,10 +19,11 @@
 //! **Neighbours** (`filter=edge-avoiding`) tell each other their shares: à trous \[Dammertz2010\], over pixels or along the edges of
 //! a mesh, with weights that stop where surfaces turn and where shares differ by more than their noise \[Schied2017\]. Light and
 //! albedo aren't smoothed, since they are known; nor are lobes of glossy receivers. It is biased where shadows are finer than
-//! the neighbours are near: contact shadows fade over a pixel or an edge of the mesh, penumbras widen by as much, and a receiver
-//! without neighbours of its kind, on a thin part, keeps its noise. Surfaces that curve more from neighbour to neighbour than
-//! `filter-angle` aren't smoothed at all. Other than the filter of \[Mehta2012\] it needs no distances of blockers, which rays that stop at
-//! the first hit don't know.
+//! the neighbours are near: contact shadows and penumbras widen as far as noise hides their slope, by `2^filter-levels - 1`
+//! pixels or edges at most, less the more rays there are; a receiver without neighbours of its kind, on a thin part or beside a
+//! silhouette, keeps its noise. Surfaces that curve by more than `filter-angle` from neighbour to neighbour aren't smoothed at all;
+//! below that, they are the less the more they curve. Other than the filter of \[Mehta2012\] it needs no distances of blockers, which
+//! rays that stop at the first hit don't know.
 //!
 //! **Plain** (`estimator=plain`, and the preset of that name) estimates light and visibility together:
 //!

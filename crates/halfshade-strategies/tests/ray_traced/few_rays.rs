@@ -29,7 +29,6 @@ fn four_rays_are_better_than_none_in_every_scene() {
         let by = |settings: &str| off(&shaded(&RayTraced, &scene, &frame, &all, settings));
         let unshadowed = off(&shaded(&Unshadowed, &scene, &frame, &all, ""));
         let [four, sixteen, filtered] = ["samples=4", "samples=16", "samples=4,filter=edge-avoiding"].map(by);
-        println!("{name}: {unshadowed:.4}, {four:.4}, {sixteen:.4}, {filtered:.4}");
         assert!(four <= unshadowed && sixteen <= four, "{name}: {unshadowed}, {four}, {sixteen}");
         assert!(filtered <= four, "{name}: {four}, {filtered}");
     }

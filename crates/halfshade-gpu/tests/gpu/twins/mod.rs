@@ -61,6 +61,7 @@ pub(super) const TESTS: &[(&str, Test)] = &[
     ("irradiance", irradiance::irradiance),
     ("sequence", product::sequence),
     ("light_tree", product::light_tree),
+    ("drawn_for_lights", product::drawn_for_lights),
     ("stops", product::stops),
     ("traverse", traverse::traverse),
     ("cutout", traverse::cutout),

@@ -1,6 +1,11 @@
 //! Rays by light times cosine: their numbers, cells of a map, weights between neighbours.
 
-use super::{CALLS, compare, direction, finite, single, tolerance, traverse::ray_variables};
+use super::{
+    CALLS, compare, direction, finite,
+    sampler::{Cap, about, cap_of, position, scenes, sun_cap},
+    single, tolerance,
+    traverse::ray_variables,
+};
 use glam::{DVec3, Vec3};
 use halfshade_gpu::{
     Gpu,
@@ -163,6 +168,58 @@ pub(super) fn light_tree(gpu: &Arc<Gpu>) -> Result<(), Failed> {
             return Err(format!("{width}: only {} calls are beyond doubt", kept.len()).into());
         }
         compare(&format!("{width} by {height}"), tolerance(shader), &kept, &expected, 4)?;
+    }
+    Ok(())
+}
+
+/// Rays to suns and lamps, those that hold the receiver among them, with light times cosine over their density.
+pub(super) fn drawn_for_lights(gpu: &Arc<Gpu>) -> Result<(), Failed> {
+    let shader = "ray_traced/product.wgsl";
+    let mut random = Pcg64Mcg::seed_from_u64(44);
+    let params = RayTraced.info().parse("").map_err(|error| Failed::from(error.to_string()))?;
+    for (number, scene) in scenes(&mut random).iter().enumerate() {
+        let frame = scene.frame(0);
+        let sun = scene.environment.sun.map(|sun| (sun_cap(&sun), sun.radiance));
+        let caps = |place: DVec3| -> Vec<Option<(Cap, Vec3)>> {
+            let lamps = frame.lights.iter().map(|light| Some((cap_of(light, place), light.radiance)));
+            [sun].into_iter().chain(lamps).collect()
+        };
+        let calls: Vec<([DVec3; 2], usize, [f64; 2])> = (0..CALLS)
+            .map(|i| {
+                let places = [position(i, &mut random), direction(&mut random)];
+                let point = [(); 2].map(|()| single(random.random_range(0.0..1.0)));
+                (places, i % (1 + frame.lights.len()), point)
+            })
+            .collect();
+        let inputs: Vec<[f32; 4]> = (calls.iter())
+            .flat_map(|([place, normal], light, [u, v])| {
+                [place.extend(*light as f64), normal.extend(0.0), DVec3::new(*u, *v, 0.0).extend(0.0)]
+            })
+            .map(|row| row.as_vec4().to_array())
+            .collect();
+        let body = "let light = 1u + u32(input[0].w);
+            let drawn = drawn_for(light, input[0].xyz, input[1].xyz, input[1].xyz, input[2].xy);
+            output[0] = vec4f(drawn.direction, 0.0);
+            output[1] = vec4f(drawn.arriving, 0.0);";
+        let rays = RayBuffers::new(&frame, &params)?;
+        let variables = ray_variables(&rays);
+        let found = Probe { shader, bands: None, constants: &[], rows: [3, 2], body, variables: &variables }
+            .call(gpu, &inputs)?;
+        finite(&found)?;
+        let (mut kept, mut expected) = (Vec::new(), Vec::new());
+        for ([toward, arriving], ([place, normal], light, [u, v])) in found.as_chunks::<2>().0.iter().zip(&calls) {
+            let Some(((axis, versine), radiance)) = caps(*place)[*light] else { continue };
+            let Some(direction) = about(axis, u * versine, *v) else { continue };
+            // As parts of the most that may arrive.
+            let most = radiance.as_dvec3() * TAU * versine;
+            let scale = most.max_element().recip();
+            kept.extend([*toward, arriving.map(|value| value * scale as f32)]);
+            let expected_light = most * normal.dot(direction).max(0.0) * scale;
+            expected.extend([direction.extend(0.0), expected_light.extend(0.0)].iter().flat_map(|row| row.to_array()));
+        }
+        if !kept.is_empty() {
+            compare(&format!("light {number}"), tolerance(shader), &kept, &expected, 8)?;
+        }
     }
     Ok(())
 }

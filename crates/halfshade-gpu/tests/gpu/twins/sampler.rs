@@ -43,7 +43,7 @@ struct Shining<'a> {
 }
 
 /// Axis, and 1 less the cosine of the angular radius.
-type Cap = (DVec3, f64);
+pub(super) type Cap = (DVec3, f64);
 
 fn contains((axis, one_minus_cosine): Cap, direction: DVec3) -> Option<bool> {
     if one_minus_cosine >= 2.0 {
@@ -54,11 +54,11 @@ fn contains((axis, one_minus_cosine): Cap, direction: DVec3) -> Option<bool> {
     ((angle - radius).abs() > 1e-6).then_some(angle < radius)
 }
 
-fn sun_cap(sun: &Sun) -> Cap {
+pub(super) fn sun_cap(sun: &Sun) -> Cap {
     (sun.direction.as_dvec3().normalize(), 2.0 * (0.5 * f64::from(sun.angular_radius)).sin().powi(2))
 }
 
-fn cap_of(light: &SphereLight, position: DVec3) -> Cap {
+pub(super) fn cap_of(light: &SphereLight, position: DVec3) -> Cap {
     let offset = light.center.as_dvec3() - position;
     let (distance, radius) = (offset.length(), f64::from(light.radius));
     if distance <= radius {
