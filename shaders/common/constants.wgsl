@@ -7,6 +7,6 @@ const SQRT_4PI = 3.5449077f;
 // The least normal number.
 const SMALLEST = 1.17549435e-38f;
 // Beyond everything, and finite.
-const FARTHEST = 3.4e38f;
+const ENDLESS = 3.4e38f;
 // From 1 to the next larger number.
 const EPSILON = 1.1920929e-7f;

@@ -44,7 +44,7 @@ fn order_key(blocker: Blocker, position: vec3f) -> f32 {
 
 // The nearest eight of a cut after the one with this key and place. At equal distances the first of the list comes first.
 fn nearest_after(key: f32, place: u32, position: vec3f, cut: Cut) -> Nearest {
-    var found = Nearest(vec4f(FARTHEST), vec4f(FARTHEST), vec4u(NONE), vec4u(NONE));
+    var found = Nearest(vec4f(ENDLESS), vec4f(ENDLESS), vec4u(NONE), vec4u(NONE));
     for (var i = cut.first; i < cut.end; i++) {
         let its_key = order_key(blockers[i], position);
         let is_left = (its_key > key) || (its_key == key && i > place) || (place == NONE);
@@ -57,7 +57,7 @@ fn nearest_after(key: f32, place: u32, position: vec3f, cut: Cut) -> Nearest {
 
 // Every element after the new one makes way by one place.
 fn inserted(list: Nearest, key: f32, place: u32) -> Nearest {
-    let low_before = vec4f(-FARTHEST, list.low_keys.xyz);
+    let low_before = vec4f(-ENDLESS, list.low_keys.xyz);
     let high_before = vec4f(list.low_keys.w, list.high_keys.xyz);
     let keys = vec4f(key);
     let places = vec4u(place);
@@ -185,7 +185,7 @@ fn gather(receiver: Receiver, cut: Cut) -> Gathered {
         gathered.radiance = own_average(receiver, cut) * max(left - brdf.h0 * SQRT_4PI, 0.0);
         left = brdf.h0 * SQRT_4PI;
     }
-    var key = -FARTHEST;
+    var key = -ENDLESS;
     var place = NONE;
     for (var block = cut.first; block < cut.end; block += 8u) {
         var next = Nearest();
@@ -233,7 +233,7 @@ fn gather(receiver: Receiver, cut: Cut) -> Gathered {
     return gathered;
 }
 
-// What the own object radiates on average, sphere by sphere by its solid angle times the receiver's cosine.
+// Average radiance of the own object, sphere by sphere by its solid angle times the receiver's cosine.
 fn own_average(receiver: Receiver, cut: Cut) -> vec3f {
     var sum = vec3f(0.0);
     var weights = 0.0;

@@ -3,6 +3,7 @@
 #import "common/cap.wgsl"
 #import "common/constants.wgsl"
 #import "sh_exp/blocker.wgsl"
+#import "sh_exp/light.wgsl"
 #import "sh_exp/own.wgsl"
 
 const LAMP_POINTS = 16.0;
@@ -12,7 +13,7 @@ struct LampView {
     direction: vec3f,
     // Irradiance for radiance 1 over π, if nothing is in the way.
     reflected: f32,
-    // Of its middle.
+    // To its nearest point.
     distance: f32,
     // Chord of its angular radius, and from a point to the rim of what it stands for.
     chord: f32,
@@ -43,10 +44,14 @@ fn lamp_vector(lamp: u32, number: u32) -> vec3f {
     return vec3f(lamp_number(lamp, number), lamp_number(lamp, number + 1u), lamp_number(lamp, number + 2u));
 }
 
-// Outgoing radiance of a white receiver under all lamps.
-fn lamp_light(receiver: Receiver, cut: Cut) -> vec3f {
+// Outgoing radiance of a white receiver under all lamps. A lamp that surrounds it is constant light.
+fn lamp_light(receiver: Receiver, cut: Cut, visibility: Sh) -> vec3f {
     var radiance = vec3f(0.0);
     for (var lamp = 0u; lamp < lamp_count(); lamp++) {
+        if (surrounds(lamp, receiver)) {
+            radiance += lamp_vector(lamp, 4u) * constant_share(receiver.normal, visibility);
+            continue;
+        }
         let view = lamp_view(lamp, receiver);
         if (view.reflected > 0.0) {
             let share = open_share(view, receiver, cut) * own_open(receiver, view.direction);
@@ -56,22 +61,25 @@ fn lamp_light(receiver: Receiver, cut: Cut) -> vec3f {
     return radiance;
 }
 
+fn surrounds(lamp: u32, receiver: Receiver) -> bool {
+    let offset = lamp_vector(lamp, 0u) - receiver.position;
+    return lamp_number(lamp, 7u) == 0.0 && length(offset) <= lamp_number(lamp, 3u);
+}
+
 fn lamp_view(lamp: u32, receiver: Receiver) -> LampView {
     let place = lamp_vector(lamp, 0u);
     let size = lamp_number(lamp, 3u);
     var view = LampView();
     var sine = size;
     view.direction = place;
-    view.distance = FARTHEST;
+    view.distance = ENDLESS;
     if (lamp_number(lamp, 7u) == 0.0) {
         let offset = place - receiver.position;
         let distance = length(offset);
-        let is_outside = distance > size;
         let inverse = 1.0 / max(distance, SMALLEST);
-        // Within a light all of the hemisphere shines.
-        view.direction = select(receiver.normal, offset * inverse, is_outside);
-        sine = select(1.0, min(size * inverse, 1.0), is_outside);
-        view.distance = max(distance, size);
+        view.direction = offset * inverse;
+        sine = min(size * inverse, 1.0);
+        view.distance = distance - size;
     }
     let cosine = dot(view.direction, receiver.normal);
     view.reflected = sine * sine * clamp(cosine, 0.0, 1.0);
@@ -110,7 +118,7 @@ fn uncovered(open: vec4f, x: vec4f, y: vec4f, z: vec4f, cover: Cover) -> vec4f {
     let a = x - cover.middle.x;
     let b = y - cover.middle.y;
     let c = z - cover.middle.z;
-    let inside = (cover.chord - sqrt(a * a + b * b + c * c)) * (cover.per_spacing * 0.5);
+    let inside = (cover.chord - sqrt(a * a + b * b + c * c)) * cover.per_spacing;
     return min(open, 1.0 - clamp(inside + 0.5, vec4f(0.0), vec4f(1.0)) * cover.factor);
 }
 

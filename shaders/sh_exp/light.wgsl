@@ -14,12 +14,17 @@ fn held(value: f32, most: f32) -> f32 {
 fn light(normal: vec3f, visibility: Sh) -> vec3f {
     var radiance = vec3f(0.0);
     if (light_channels() == 0u) {
-        let cosine = sh_times_bands(sh_basis(normal), sh_bands(frame.low_cosine, frame.high_cosine));
-        radiance = frame.light.xyz * held(sh_dot(cosine, visibility), 1.0);
+        radiance = frame.light.xyz * constant_share(normal, visibility);
     } else {
         radiance = tabulated_light(normal, visibility);
     }
     return radiance + sun(normal, visibility);
+}
+
+// Share of constant light that is visible, by the cosine.
+fn constant_share(normal: vec3f, visibility: Sh) -> f32 {
+    let cosine = sh_times_bands(sh_basis(normal), sh_bands(frame.low_cosine, frame.high_cosine));
+    return held(sh_dot(cosine, visibility), 1.0);
 }
 
 fn tabulated_light(normal: vec3f, visibility: Sh) -> vec3f {

@@ -60,7 +60,7 @@ fn own_blocked(receiver: Receiver) -> Sh {
     let row = own_row(receiver);
     let vertices = whole_numbers(row);
     let weights = tables[row + 1u];
-    var sum = ShParts();
+    var sum = array<vec4f, SH_PARTS>();
     for (var corner = 0u; corner < 3u; corner++) {
         if (weights[corner] != 0.0) {
             for (var part = 0u; part < SH_PARTS; part++) {

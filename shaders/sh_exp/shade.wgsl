@@ -46,7 +46,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
     if (has_ground(receiver.object)) {
         radiance = with_ground(receiver, visibility, radiance);
     }
-    radiance += lamp_light(receiver, cut);
+    radiance += lamp_light(receiver, cut, visibility);
     reflect(number, radiance + select(gathered.radiance, max(gathered.radiance, vec3f(0.0)), IS_CLAMPED));
 }
 

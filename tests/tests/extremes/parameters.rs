@@ -11,6 +11,7 @@ const AFFORDABLE: &[(&str, i64)] = &[
     ("ground-directions", 64),
     ("map", 16),
     ("normals", 16),
+    ("own-directions", 64),
     ("points", 16),
     ("resolution", 8),
     ("sample-divisions", 2),

@@ -33,7 +33,7 @@ const SH_EXP: [&str; 10] = [
     "bounces=0,exp=product",
     "bounces=0,exp=shares,points=5",
     "bounces=0,exp=quadratic,bands=3",
-    "bounces=0,exp=hybrid,bands=6,normals=16",
+    "bounces=0,exp=hybrid,bands=6,normals=16,own-directions=16",
     "bounces=0,exp=hybrid,clamp=on,rule=published,window=hann,squaring=published",
     "bounces=0,levels=tree,rule=covering",
 ];

@@ -41,7 +41,7 @@ pub struct SceneArrays<'a> {
     pub reflections: Option<ReflectionArrays<'a>>,
     /// Clamped cosine over π by band, times the rotation's factor, if objects without spheres are seen.
     pub ground_cosine: Option<&'a [f32]>,
-    /// What objects hide from themselves, if their meshes tell.
+    /// Own occlusion, if meshes tell.
     pub own: Option<OwnArrays<'a>>,
 }
 

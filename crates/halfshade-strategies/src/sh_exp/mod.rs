@@ -54,7 +54,7 @@
 //! between 0 and unshadowed, with more it isn't below 0. `tests/sh_exp/stability.rs` holds the method to all that.
 //!
 //! **Limits.** Few bands blur shadows: with `sun=projected` the sun's shadow is as wide as the last band. Of lamps, objects
-//! without spheres hide nothing, and an object's own mesh hides them from its vertices to 7 degrees. Products and
+//! without spheres hide nothing; one that surrounds receivers is constant light behind all spheres; and an object's own mesh hides them from its vertices to 7 degrees. Products and
 //! exponentials multiply overlapping blockers as if band-limited functions were exact, which leaves dense sets too bright
 //! or too dark; shares don't, and cost more at few bands (`results/soft-shadows`).
 //!

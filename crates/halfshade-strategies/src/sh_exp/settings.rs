@@ -261,7 +261,7 @@ settings! {
         "lamps" => lamps: usize = 4, in 0..=16;
         /// what a receiver's own object hides from it
         "own" => own: OwnOcclusion = OwnOcclusion::Baked;
-        /// own=baked: directions in which each vertex looks for its own mesh
+        /// own=baked: directions in which each vertex looks for its own mesh, and a quarter of those for lamps
         "own-directions" => own_directions: usize = 256, in 16..=4096;
         /// objects without spheres
         "ground" => ground: GroundMode = GroundMode::Seen;

@@ -160,7 +160,11 @@ fn every_channel_is_as_it_is_alone(strategy: &dyn Strategy, settings: &str, scen
 fn reflections_of_spheres_see_every_colour() {
     let scenes = coloured();
     for ground in ["seen", "ignored"] {
-        every_channel_is_as_it_is_alone(&ShExp, &format!("bands=3,normals=4,ground={ground}"), &scenes);
+        every_channel_is_as_it_is_alone(
+            &ShExp,
+            &format!("bands=3,normals=4,own-directions=16,ground={ground}"),
+            &scenes,
+        );
     }
 }
 
@@ -168,7 +172,11 @@ fn reflections_of_spheres_see_every_colour() {
 fn published_and_clamped_reflections_see_every_colour() {
     let scenes = coloured();
     for settings in ["intersections=precomputed,projection=product,walk=quadratic", "exp=shares", "clamp=on"] {
-        every_channel_is_as_it_is_alone(&ShExp, &format!("bands=2,normals=4,ground=seen,{settings}"), &scenes);
+        every_channel_is_as_it_is_alone(
+            &ShExp,
+            &format!("bands=2,normals=4,own-directions=16,ground=seen,{settings}"),
+            &scenes,
+        );
     }
 }
 
@@ -186,9 +194,9 @@ fn colours_may_come_later() {
     let before = grey();
     let mut after = before.clone();
     after.environment = Environment::constant(Vec3::new(0.2, 1.0, 0.4));
-    let mut baked = common::baked(&ShExp, &before, "bands=3,normals=4,ground=seen");
+    let mut baked = common::baked(&ShExp, &before, "bands=3,normals=4,own-directions=16,ground=seen");
     common::shade(baked.as_mut(), &before.frame(0), &receivers_of(&before));
     let found = common::shade(baked.as_mut(), &after.frame(0), &receivers_of(&after));
-    let expected = shade(&ShExp, "bands=3,normals=4,ground=seen", &after);
+    let expected = shade(&ShExp, "bands=3,normals=4,own-directions=16,ground=seen", &after);
     assert_eq!(found, expected);
 }

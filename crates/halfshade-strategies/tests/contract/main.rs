@@ -62,27 +62,52 @@ contract_tests!(
 const RINGING: Bounds = Bounds { constant: 1e-5, quadrature: 0.01, gloss: 0.01, rotation: 0.005, brightening: 0.2 };
 
 contract_tests!(sh_exp_hybrid, ShExp, "bounces=0,exp=hybrid", RINGING);
-contract_tests!(sh_exp_product, ShExp, "bounces=0,exp=product,normals=16", RINGING);
-contract_tests!(sh_exp_series, ShExp, "bounces=0,exp=series,normals=16", RINGING);
+contract_tests!(sh_exp_product, ShExp, "bounces=0,exp=product,normals=16,own-directions=16", RINGING);
+contract_tests!(sh_exp_series, ShExp, "bounces=0,exp=series,normals=16,own-directions=16", RINGING);
 contract_tests!(
     sh_exp_bare_series,
     ShExp,
     "bounces=0,exp=series,scaling=off,normals=16",
     Bounds { brightening: 2.0, ..RINGING }
 );
-contract_tests!(sh_exp_quadratic, ShExp, "bounces=0,exp=quadratic,normals=16", RINGING);
-contract_tests!(sh_exp_shares, ShExp, "bounces=0,exp=shares,normals=16", RINGING);
-contract_tests!(sh_exp_shares_one_point, ShExp, "bounces=0,exp=shares,points=1,bands=3,normals=16", RINGING);
-contract_tests!(sh_exp_optimal_linear, ShExp, "bounces=0,exp=optimal-linear,normals=16", RINGING);
-contract_tests!(sh_exp_six_bands, ShExp, "bounces=0,exp=hybrid,bands=6,normals=16", RINGING);
-contract_tests!(sh_exp_clamped, ShExp, "bounces=0,exp=hybrid,clamp=on,rule=published,window=hann,normals=16", RINGING);
-contract_tests!(sh_exp_tree, ShExp, "bounces=0,levels=tree,normals=16", RINGING);
+contract_tests!(sh_exp_quadratic, ShExp, "bounces=0,exp=quadratic,normals=16,own-directions=16", RINGING);
+contract_tests!(sh_exp_shares, ShExp, "bounces=0,exp=shares,normals=16,own-directions=16", RINGING);
+contract_tests!(
+    sh_exp_shares_one_point,
+    ShExp,
+    "bounces=0,exp=shares,points=1,bands=3,normals=16,own-directions=16",
+    RINGING
+);
+contract_tests!(sh_exp_optimal_linear, ShExp, "bounces=0,exp=optimal-linear,normals=16,own-directions=16", RINGING);
+contract_tests!(sh_exp_six_bands, ShExp, "bounces=0,exp=hybrid,bands=6,normals=16,own-directions=16", RINGING);
+contract_tests!(
+    sh_exp_clamped,
+    ShExp,
+    "bounces=0,exp=hybrid,clamp=on,rule=published,window=hann,normals=16,own-directions=16",
+    RINGING
+);
+contract_tests!(sh_exp_tree, ShExp, "bounces=0,levels=tree,normals=16,own-directions=16", RINGING);
 contract_tests!(sh_exp_reflections, ShExp, "", RINGING);
-contract_tests!(sh_exp_by_spheres, ShExp, "own=spheres,sun=projected,ground=ignored,normals=16", RINGING);
-contract_tests!(sh_exp_lamps_by_spheres, ShExp, "bounces=0,own=spheres,normals=16", RINGING);
-contract_tests!(sh_exp_traced, ShExp, "exp=traced,directions=512,normals=16", Bounds { rotation: 0.05, ..RINGING });
-contract_tests!(sh_exp_as_published, ShExp, "as-published,bands=3,normals=16", RINGING);
-contract_tests!(sh_exp_reflections_precomputed, ShExp, "intersections=precomputed,order=power,normals=16", RINGING);
+contract_tests!(
+    sh_exp_by_spheres,
+    ShExp,
+    "own=spheres,sun=projected,ground=ignored,normals=16,own-directions=16",
+    RINGING
+);
+contract_tests!(sh_exp_lamps_by_spheres, ShExp, "bounces=0,own=spheres,normals=16,own-directions=16", RINGING);
+contract_tests!(
+    sh_exp_traced,
+    ShExp,
+    "exp=traced,directions=512,normals=16,own-directions=16",
+    Bounds { rotation: 0.05, ..RINGING }
+);
+contract_tests!(sh_exp_as_published, ShExp, "as-published,bands=3,normals=16,own-directions=16", RINGING);
+contract_tests!(
+    sh_exp_reflections_precomputed,
+    ShExp,
+    "intersections=precomputed,order=power,normals=16,own-directions=16",
+    RINGING
+);
 
 /// Four bands of everything: the clamped cosine alone is off by a twentieth of its peak, which a lamp shows, most where its
 /// light is faint; a highlight of exponent 15 is off by a sixth of its height, which is many times the mean.

@@ -57,7 +57,7 @@ fn tilted() -> ReceiverBuffer {
 fn every_variant(check: impl Fn(&str, &mut dyn Baked)) {
     for bands in 1..=8 {
         for variant in VARIANTS {
-            let settings = format!("{variant},bands={bands},normals=4");
+            let settings = format!("{variant},bands={bands},normals=4,own-directions=16");
             check(&settings, baked(&settings).as_mut());
         }
     }

@@ -62,7 +62,7 @@ impl Frame {
         let mut baked = ShExp::bake_scene(&scene, &params, &Silent).map_err(|error| failed(&error))?;
         baked.prepare_frame(&scene.frame(0), FirstPass::Here).map_err(|error| failed(&error))?;
         let tables = Tables::new(&baked.scene_arrays(), &baked.frame_arrays(), None);
-        Ok(Self { tables, blockers: Vec::new(), numbers: vec![0; 4], radiating: Vec::new() })
+        Ok(Self { tables, blockers: Vec::new(), numbers: vec![0; 8], radiating: Vec::new() })
     }
 
     pub(super) fn variables(&self) -> [Variable<'_>; 5] {

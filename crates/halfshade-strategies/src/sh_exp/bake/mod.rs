@@ -72,7 +72,7 @@ pub(crate) struct Tables {
     pub(crate) reflections: Option<ReflectionTables>,
     /// Objects without spheres, if they are to be seen.
     pub(crate) ground: Option<GroundTables>,
-    /// What objects hide from themselves, if their meshes are to tell.
+    /// Own occlusion, if meshes are to tell.
     pub(crate) own: Option<OwnTables>,
 }
 

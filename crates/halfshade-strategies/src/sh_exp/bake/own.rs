@@ -29,7 +29,7 @@ use std::{f64::consts::TAU, sync::Arc};
 /// stays in the range of visibility, which products with others need.
 const BELOW: f64 = 0.1;
 
-/// What the meshes of a scene hide from themselves.
+/// Own occlusion of all meshes of a scene.
 #[derive(Debug)]
 pub(crate) struct OwnTables {
     /// Per object; `None` if it deforms.
@@ -49,14 +49,12 @@ pub(crate) struct OwnVectors {
     pub(crate) hidden: Vec<u32>,
 }
 
-/// Cells of the grid from its centre to its side: seven degrees and less from node to node.
-const CELLS: usize = 16;
-
 impl OwnTables {
     /// For all objects of a scene that keep their shape, with so many rays from each vertex; and with a ray per node of the grid
     /// if there are small lights, `for_lamps`.
     pub(crate) fn new(scene: &Scene, bands: usize, directions: usize, for_lamps: bool) -> Self {
-        let grid = OctahedralGrid::new(CELLS);
+        // Four nodes for each direction over the hemisphere: with 256 of those seven degrees from node to node.
+        let grid = OctahedralGrid::new((directions as f64).sqrt().round() as usize);
         let nodes: Vec<Vec3> = (0..if for_lamps { grid.node_count() } else { 0 }).map(|n| grid.direction(n)).collect();
         let fit = HemisphereFit::new(bands, directions);
         let mut objects: Vec<Option<Arc<OwnVectors>>> = Vec::new();

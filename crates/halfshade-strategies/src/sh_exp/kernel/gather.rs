@@ -98,7 +98,7 @@ pub(crate) struct Gather<const N: usize> {
     own: OwnAverage,
 }
 
-/// What the receivers' own object radiates on average where they know from its mesh what it hides.
+/// Average radiance of the receivers' own object where they know from its mesh what it hides.
 #[derive(Debug, Clone, Copy)]
 struct OwnAverage {
     /// By channel, times `weight`.

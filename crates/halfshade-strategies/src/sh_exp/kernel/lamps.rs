@@ -5,7 +5,7 @@
 //! within its own cap. Of a point at an angle δ from the middle of a sphere of angular radius θ it covers
 //!
 //! ```text
-//! m = clamp((θ - δ)/2s + 1/2, 0, 1) · min(1, θ²/s²)        s² = (angular radius of the lamp)²/POINTS
+//! m = clamp((θ - δ)/s + 1/2, 0, 1) · min(1, θ²/s²)        s² = (angular radius of the lamp)²/POINTS
 //! ```
 //!
 //! in chords instead of angles: a point stands for a disc of angular radius s, so that nothing steps as a sphere moves, and a
@@ -47,7 +47,7 @@ struct LampView {
     direction: [f32x8; 3],
     /// Irradiance for radiance 1 over π, if nothing is in the way.
     reflected: f32x8,
-    /// Of its middle; infinite of distant ones.
+    /// To its nearest point; infinite of distant ones.
     distance: f32x8,
     /// Chord of its angular radius.
     chord: f32x8,
@@ -64,7 +64,8 @@ impl LampViews {
     }
 
     /// Outgoing radiance of white receivers by channel under all `lamps`; `own` tells how much of a light along a direction the
-    /// receivers' own object leaves, for lanes that know.
+    /// receivers' own object leaves, for lanes that know, and `constant` the share of constant light that they see: that is
+    /// what a lamp is to whom it surrounds.
     #[inline(never)]
     pub(crate) fn radiance(
         &mut self,
@@ -72,11 +73,21 @@ impl LampViews {
         blockers: &Blockers<'_>,
         receivers: &Receivers8,
         own: impl Fn(&[f32x8; 3]) -> f32x8,
+        constant: impl Fn() -> f32x8,
     ) -> [f32x8; 3] {
         let Self { views, spiral } = self;
         views.clear();
         views.extend(lamps.iter().filter_map(|lamp| LampView::new(lamp, receivers, spiral)));
         let mut radiance = [f32x8::ZERO; 3];
+        for lamp in lamps {
+            let surrounds = surrounds(lamp, &receivers.position);
+            if surrounds.any() {
+                let share = surrounds.select(constant(), f32x8::ZERO);
+                for (sum, channel) in radiance.iter_mut().zip(lamp.radiance.to_array()) {
+                    *sum = share.mul_add(f32x8::splat(channel), *sum);
+                }
+            }
+        }
         if views.is_empty() {
             return radiance;
         }
@@ -116,12 +127,11 @@ impl LampView {
             LampPlace::Near { center, radius } => {
                 let offset: [f32x8; 3] = std::array::from_fn(|axis| f32x8::splat(center[axis]) - position[axis]);
                 let distance = dot(&offset, &offset).sqrt();
-                let is_outside = distance.simd_gt(f32x8::splat(radius));
                 let inverse = f32x8::ONE / distance.fast_max(f32x8::splat(f32::MIN_POSITIVE));
-                // Within a light all of the hemisphere shines.
-                let direction = std::array::from_fn(|axis| is_outside.select(offset[axis] * inverse, normal[axis]));
-                let sine = is_outside.select(f32x8::splat(radius) * inverse, f32x8::ONE);
-                (direction, sine.fast_min(f32x8::ONE), distance.fast_max(f32x8::splat(radius)))
+                let sine = (f32x8::splat(radius) * inverse).fast_min(f32x8::ONE);
+                // Whom it surrounds sees no disc.
+                let sine = surrounds(lamp, position).select(f32x8::ZERO, sine);
+                (offset.map(|axis| axis * inverse), sine, distance - f32x8::splat(radius))
             }
         };
         let reflected = f32x8::splat(FRAC_1_PI) * irradiance(dot(&direction, normal), sine);
@@ -148,7 +158,7 @@ impl LampView {
         let area = (chord * per_spacing).fast_min(f32x8::ONE);
         let factor = is_near.select(area * area * before(self.distance), f32x8::ZERO);
         for (open, point) in self.open.iter_mut().zip(&self.points) {
-            let inside = (chord - squared_distance(middle, point).sqrt()) * per_spacing * f32x8::splat(0.5);
+            let inside = (chord - squared_distance(middle, point).sqrt()) * per_spacing;
             let covered = (inside + f32x8::splat(0.5)).fast_max(f32x8::ZERO).fast_min(f32x8::ONE) * factor;
             *open = open.fast_min(f32x8::ONE - covered);
         }
@@ -167,6 +177,14 @@ impl LampView {
         }
         sum / weights
     }
+}
+
+/// The receivers that are within a lamp.
+#[inline(always)]
+fn surrounds(lamp: &Lamp, position: &[f32x8; 3]) -> f32x8 {
+    let LampPlace::Near { center, radius } = lamp.place else { return f32x8::ZERO };
+    let offset: [f32x8; 3] = std::array::from_fn(|axis| f32x8::splat(center[axis]) - position[axis]);
+    dot(&offset, &offset).sqrt().simd_le(f32x8::splat(radius))
 }
 
 /// [`cap_irradiance`] of eight caps: the closed form where the horizon cuts one.
@@ -225,7 +243,7 @@ mod tests {
             Blockers { list: &list, table: &table, rule: AdjustRule::Continuous, own: OwnSpheres::default() };
         let normal = NORMAL.as_vec3().to_array().map(f32x8::splat);
         let receivers = Receivers8 { position: [f32x8::ZERO; 3], normal, knows_own: f32x8::ZERO };
-        let radiance = LampViews::new().radiance(&[lamp], &blockers, &receivers, |_| f32x8::ONE);
+        let radiance = LampViews::new().radiance(&[lamp], &blockers, &receivers, |_| f32x8::ONE, || f32x8::ONE);
         f64::from(radiance[1].to_array()[3])
     }
 
@@ -270,7 +288,7 @@ mod tests {
         };
         let near = Lamp { place: LampPlace::Near { center: [1.0, 3.0, -1.0], radius: 0.4 }, radiance: Vec3::ONE };
         let up = Vec3::new(0.2, 1.0, -0.3);
-        for (lamp, most) in [(far(up, 0.00465), 0.05), (far(up, 0.1), 0.05), (far(up, 0.5), 0.05), (near, 0.05)] {
+        for (lamp, most) in [(far(up, 0.00465), 0.07), (far(up, 0.1), 0.07), (far(up, 0.5), 0.07), (near, 0.07)] {
             let axis = match lamp.place {
                 LampPlace::Far { direction, .. } => Vec3::from(direction),
                 LampPlace::Near { center, .. } => Vec3::from(center).normalize(),

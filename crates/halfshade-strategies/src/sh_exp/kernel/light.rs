@@ -56,9 +56,7 @@ impl DistantLightByNormal {
     pub(crate) fn dot<const N: usize>(&self, normal: &[f32x8; 3], visibility: &ShBatch<N>, clamp: bool) -> [f32x8; 3] {
         let mut radiance = match &self.base {
             BaseByNormal::Constant(radiance) => {
-                let at_normal = kernel::basis::<f32x8, N>(*normal);
-                let sum = kernel::dot(&kernel::times_bands(&at_normal, &self.cosine), visibility);
-                let share = if clamp { sum.max(f32x8::ZERO).min(f32x8::ONE) } else { sum };
+                let share = self.constant_share(normal, visibility, clamp);
                 radiance.to_array().map(|channel| share * f32x8::splat(channel))
             }
             BaseByNormal::Table { rows, channels } => self.dot_table((rows, *channels), normal, visibility, clamp),
@@ -67,6 +65,19 @@ impl DistantLightByNormal {
             sun.add(normal, visibility, clamp, &mut radiance);
         }
         radiance
+    }
+
+    /// The share of constant light that is visible, by the cosine.
+    #[inline(always)]
+    pub(crate) fn constant_share<const N: usize>(
+        &self,
+        normal: &[f32x8; 3],
+        visibility: &ShBatch<N>,
+        clamp: bool,
+    ) -> f32x8 {
+        let at_normal = kernel::basis::<f32x8, N>(*normal);
+        let sum = kernel::dot(&kernel::times_bands(&at_normal, &self.cosine), visibility);
+        if clamp { sum.max(f32x8::ZERO).min(f32x8::ONE) } else { sum }
     }
 
     #[inline(always)]

@@ -1,4 +1,4 @@
-//! What receivers know of their own object's visibility, interpolated between vertices and turned into light space.
+//! Visibility past the receivers' own object, interpolated between vertices and turned into light space.
 
 use super::OwnSpheres;
 use crate::{

@@ -24,7 +24,7 @@ pub(crate) struct FrameData {
     pub(crate) points: SamplePoints,
     /// Objects without spheres as the others see them, if they are to be seen.
     pub(crate) ground: Option<GroundView>,
-    /// What objects hide from themselves, if that is known from their meshes.
+    /// Objects as they are turned, if their meshes tell what they hide from themselves.
     pub(crate) own: OwnView,
     /// The state that all this was made for; `None` if it is not finished.
     pub(crate) state: Option<FrameState>,

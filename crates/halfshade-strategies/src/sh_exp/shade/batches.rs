@@ -109,7 +109,8 @@ impl<'a, const N: usize> Batches<'a, N> {
             self.add_reflected(&eight, past_own.as_ref(), &mut radiance);
             if !data.lamps.is_empty() {
                 let open = |direction: &[f32x8; 3]| own.as_ref().map_or(f32x8::ONE, |own| own.open(direction, surface));
-                let lit = self.lamps.radiance(&data.lamps, &blockers, &eight, open);
+                let constant = || data.light.by_normal.constant_share(&normal, &visibility, tables.clamp);
+                let lit = self.lamps.radiance(&data.lamps, &blockers, &eight, open, constant);
                 radiance.iter_mut().zip(lit).for_each(|(sum, value)| *sum += value);
             }
             for (channel, values) in radiance.into_iter().enumerate() {
