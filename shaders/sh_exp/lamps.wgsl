@@ -113,7 +113,7 @@ fn lamp_points(view: LampView) -> LampPoints {
     return points;
 }
 
-// What a sphere leaves of four points of which `open` is left.
+// Openness that a sphere leaves to four points of which `open` is left.
 fn uncovered(open: vec4f, x: vec4f, y: vec4f, z: vec4f, cover: Cover) -> vec4f {
     let a = x - cover.middle.x;
     let b = y - cover.middle.y;

@@ -1,4 +1,4 @@
-// What a receiver knows of its own object, and the cut that it sees: twin of `sh_exp/kernel/own.rs`.
+// Own occlusion that a receiver knows, and the cut that it sees: twin of `sh_exp/kernel/own.rs`.
 #import "common/constants.wgsl"
 #import "common/octahedral.wgsl"
 #import "common/receivers.wgsl"
