@@ -1,6 +1,5 @@
 //! Lights of which a receiver sees a cap, where they are in a frame: local spheres, the sun, lamps of a map.
 
-use super::{divided_light::DividedLight, light_space::LightSpace};
 use glam::{DVec3, Vec3};
 use halfshade_scene::{
     Frame, SphereLight,
@@ -35,19 +34,23 @@ pub struct Lamp {
     pub radiance: Vec3,
 }
 
-/// All lamps of a frame that aren't dark.
-pub(crate) fn placed_lamps(frame: &Frame<'_>, light: &DividedLight, space: &LightSpace) -> Vec<Lamp> {
+/// All lamps of a frame that aren't dark: its lights and these suns, which are in the environment's space.
+pub(crate) fn placed_lamps(
+    frame: &Frame<'_>,
+    suns: impl Iterator<Item = Sun>,
+    light_from_world: impl Fn(DVec3) -> Vec3,
+) -> Vec<Lamp> {
     let near = frame.lights.iter().map(|light| Lamp {
-        place: LampPlace::Near { center: space.point(light.center.as_dvec3()).to_array(), radius: light.radius },
+        place: LampPlace::Near { center: light_from_world(light.center.as_dvec3()).to_array(), radius: light.radius },
         radiance: light.radiance,
     });
-    let far = light.suns(&frame.scene.environment).map(|sun| Lamp::far(&sun));
+    let far = suns.map(|sun| Lamp::far(&sun));
     near.chain(far).filter(|lamp| lamp.radiance != Vec3::ZERO).collect()
 }
 
 impl Lamp {
     /// A sun.
-    pub(crate) fn far(sun: &Sun) -> Self {
+    fn far(sun: &Sun) -> Self {
         let direction = sun.direction.as_dvec3().normalize_or(DVec3::Y).as_vec3().to_array();
         let sine = f64::from(sun.angular_radius).sin().clamp(0.0, 1.0) as f32;
         Self { place: LampPlace::Far { direction, sine }, radiance: sun.radiance }

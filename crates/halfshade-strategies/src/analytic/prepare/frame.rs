@@ -22,7 +22,11 @@ impl FrameData {
     pub(crate) fn new(frame: &Frame<'_>, blockers: &Blockers, light: &DividedLight) -> Self {
         let by_object: Vec<Vec<(DVec3, f32)>> = blockers.placed_by_object(frame).collect();
         let space = LightSpace::new(frame, by_object.iter().flatten().map(|(center, _)| *center));
-        Self { spheres: blocking_spheres(&by_object, &space), lamps: placed_lamps(frame, light, &space), space }
+        Self {
+            spheres: blocking_spheres(&by_object, &space),
+            lamps: placed_lamps(frame, light.suns(&frame.scene.environment), |point| space.point(point)),
+            space,
+        }
     }
 
     pub(crate) fn bytes(&self) -> usize {

@@ -43,7 +43,7 @@ impl FrameData {
         Self {
             spheres: blocking_spheres(&by_object, &space),
             boxes: boxes.collect(),
-            lamps: placed_lamps(frame, light, &space),
+            lamps: placed_lamps(frame, light.suns(&frame.scene.environment), |point| space.point(point)),
             object_from_light: frame.world_from_object.iter().map(|pose| rows(space.object_from_light(pose))).collect(),
             space,
         }

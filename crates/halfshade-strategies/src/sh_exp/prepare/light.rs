@@ -16,7 +16,7 @@ use crate::{
     },
     shared::{
         divided_light::divided,
-        placed_lamps::{Lamp, LampPlace},
+        placed_lamps::{Lamp, placed_lamps},
     },
 };
 use glam::Vec3;
@@ -83,13 +83,9 @@ impl FrameLight {
 
     /// All lamps of a frame that aren't dark, in light space.
     pub(crate) fn placed_lamps(&self, frame: &Frame<'_>, space: &LightSpace) -> Vec<Lamp> {
-        let near = frame.lights.iter().map(|light| {
-            let center = space.light_from_world(light.center.as_dvec3()).as_vec3().to_array();
-            Lamp { place: LampPlace::Near { center, radius: light.radius }, radiance: light.radiance }
-        });
         let sun = frame.scene.environment.sun.filter(|_| self.most_lamps.is_some());
-        let suns = sun.iter().chain(&self.lamps).map(Lamp::far).collect::<Vec<_>>();
-        near.chain(suns).filter(|lamp| lamp.radiance != Vec3::ZERO).collect()
+        let suns = sun.into_iter().chain(self.lamps.iter().copied());
+        placed_lamps(frame, suns, |point| space.light_from_world(point).as_vec3())
     }
 
     fn make_base(&mut self) {
