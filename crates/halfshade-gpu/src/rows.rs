@@ -29,3 +29,8 @@ pub(crate) fn fours(numbers: impl Iterator<Item = u32>) -> impl Iterator<Item = 
         Some(std::array::from_fn(|_| numbers.next().unwrap_or(0)))
     })
 }
+
+/// A vector in rows of four, filled up with zeros.
+pub(crate) fn in_fours(vector: &[f32]) -> impl Iterator<Item = [f32; 4]> {
+    vector.chunks(4).map(filled)
+}

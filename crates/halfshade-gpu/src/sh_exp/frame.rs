@@ -1,7 +1,7 @@
 //! The data of a frame, as kernels read it.
 
-use super::tables::{FrameUniforms, in_fours};
-use crate::{Gpu, GpuError, receivers::KernelSpace};
+use super::tables::FrameUniforms;
+use crate::{Gpu, GpuError, receivers::KernelSpace, rows::in_fours};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use halfshade_strategies::sh_exp::{

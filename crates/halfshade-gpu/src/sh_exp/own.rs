@@ -1,6 +1,6 @@
 //! Own occlusion on the device: vectors of vertices, and where receivers lie between them.
 
-use super::tables::in_fours;
+use crate::rows::in_fours;
 use halfshade_scene::Receivers;
 use halfshade_strategies::sh_exp::arrays::{FrameArrays, OwnArrays, SceneArrays};
 

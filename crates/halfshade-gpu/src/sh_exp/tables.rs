@@ -1,7 +1,7 @@
 //! Tables of the scene and its light in one buffer, and where in it they begin.
 
 use super::own::OwnRows;
-use crate::rows::filled;
+use crate::rows::{filled, in_fours};
 use bytemuck::{Pod, Zeroable};
 use halfshade_sh::kernel::{BatchExponential, ExposedShares};
 use halfshade_strategies::sh_exp::arrays::{
@@ -157,9 +157,4 @@ impl Tables {
             self.rows.extend(in_fours(&sun.basis));
         }
     }
-}
-
-/// A vector in rows of four, filled up with zeros.
-pub(super) fn in_fours(vector: &[f32]) -> impl Iterator<Item = [f32; 4]> {
-    vector.chunks(4).map(filled)
 }
