@@ -131,7 +131,7 @@ fn spheres_fitted_to_shadows_err_less_and_tell_what_they_miss() {
         })
     };
     let (bounding, shadow) = (figures("bounding"), figures("shadow"));
-    assert!(bounding[0] == 0.0 && shadow[0] > 0.0 && shadow[1] < bounding[1], "{bounding:?} {shadow:?}");
+    assert!(bounding[0] < 1e-9 && shadow[0] > 0.0 && shadow[1] < bounding[1], "{bounding:?} {shadow:?}");
     assert!(shadow[2] < 0.5 * bounding[2], "{bounding:?} {shadow:?}");
     // On the surface of this one little is won or lost.
     assert!((shadow[3] / bounding[3] - 1.0).abs() < 0.25, "{bounding:?} {shadow:?}");
