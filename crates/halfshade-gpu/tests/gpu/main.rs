@@ -25,21 +25,21 @@ use std::{
 };
 
 /// Settings of `sh-exp` that are held to the contract.
-const SH_EXP: [&str; 10] = [
+const SH_EXP: [&str; 8] = [
     "",
     "own=spheres,sun=projected,ground=ignored",
     "as-published",
     "bounces=0,exp=hybrid",
-    "bounces=0,exp=product",
     "bounces=0,exp=shares,points=5",
-    "bounces=0,exp=quadratic,bands=3",
     "bounces=0,exp=hybrid,bands=6,normals=16,own-directions=16",
     "bounces=0,exp=hybrid,clamp=on,rule=published,window=hann,squaring=published",
     "bounces=0,levels=tree,rule=covering",
 ];
 
 /// Settings of `sh-exp` that are only compared with the CPU, which is held to the contract.
-const SH_EXP_BESIDE: [&str; 9] = [
+const SH_EXP_BESIDE: [&str; 11] = [
+    "bounces=0,exp=product",
+    "bounces=0,exp=quadratic,bands=3",
     "bounces=0,exp=series",
     "bounces=0,exp=optimal-linear,bands=2",
     "bounces=0,exp=product,overlap=shared",
