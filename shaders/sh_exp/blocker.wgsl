@@ -19,6 +19,11 @@ fn seen_from(blocker: Blocker, position: vec3f, normal: vec3f) -> Seen {
     return Seen(moved.offset * sqrt(per_distance_squared), sin_squared);
 }
 
+// 1 less the cosine of an angular radius, from its squared sine: without cancellation.
+fn versine_of(sin_squared: f32) -> f32 {
+    return sin_squared / (1.0 + sqrt(1.0 - sin_squared));
+}
+
 // Zonal vector of a blocker's logarithm by the table that begins at a row, times its factors and `sqrt(4π/(2l+1))` of the
 // rotation.
 fn zonal_log(blocker: Blocker, sin_squared: f32, table: u32) -> ShBands {

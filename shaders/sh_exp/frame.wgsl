@@ -58,8 +58,8 @@ struct Frame {
     own_spheres: u32,
     // Place in `numbers` of the lamps: direction or centre, sine of the angular radius or radius, radiance, 1 if it is distant.
     lamps: u32,
-    // The row of `tables` at which turns of a lamp's points begin: cosines of four, their sines, and so on.
-    spiral: u32,
+    // The row of `tables` at which points of lamps begin, as those of exposed shares do.
+    lamp_fan: u32,
     // The row of `tables` at which mean normals of spheres begin.
     mean_normals: u32,
     padding: vec2u,

@@ -5,6 +5,7 @@
 #import "sh_exp/blocker.wgsl"
 #import "sh_exp/light.wgsl"
 #import "sh_exp/own.wgsl"
+#import "sh_exp/shares.wgsl"
 
 const LAMP_POINTS = 16.0;
 
@@ -19,13 +20,6 @@ struct LampView {
     chord: f32,
     spacing: f32,
     versine: f32,
-}
-
-// Points of a lamp, four by four.
-struct LampPoints {
-    x: mat4x4f,
-    y: mat4x4f,
-    z: mat4x4f,
 }
 
 // A sphere before a lamp: middle and chord of its cap, and how much it counts.
@@ -86,49 +80,45 @@ fn lamp_view(lamp: u32, receiver: Receiver) -> LampView {
     if (abs(cosine) < sine * 1.000001) {
         view.reflected = cap_irradiance(cosine, sine) / PI;
     }
-    view.versine = sine * sine / (1.0 + sqrt(max(1.0 - sine * sine, 0.0)));
+    view.versine = versine_of(sine * sine);
     view.chord = sqrt(2.0 * view.versine);
     view.spacing = max(view.chord / sqrt(LAMP_POINTS), 1e-12);
     return view;
 }
 
-fn lamp_points(view: LampView) -> LampPoints {
-    let d = view.direction;
-    // Two unit vectors at right angles to the direction and each other, continuous but for -Y.
-    let a = -1.0 / max(1.0 + d.y, 1e-4);
-    let b = d.x * d.z * a;
-    let u = vec3f(d.x * d.x * a + 1.0, -d.x, b);
-    let v = vec3f(b, -d.z, d.z * d.z * a + 1.0);
-    var points = LampPoints();
-    for (var four = 0u; four < 4u; four++) {
-        let within = (vec4f(0.5, 1.5, 2.5, 3.5) + 4.0 * f32(four)) / LAMP_POINTS;
-        let fall = view.versine * within;
-        let radius = sqrt(fall * (2.0 - fall));
-        let along = radius * tables[frame.spiral + 2u * four];
-        let across = radius * tables[frame.spiral + 2u * four + 1u];
-        points.x[four] = u.x * along + v.x * across + (d.x - fall * d.x);
-        points.y[four] = u.y * along + v.y * across + (d.y - fall * d.y);
-        points.z[four] = u.z * along + v.z * across + (d.z - fall * d.z);
-    }
-    return points;
+// Four of the points of a lamp.
+fn lamp_points(view: LampView, four: u32) -> Points {
+    return points_of(Cap(view.direction, view.versine), frame.lamp_fan + 4u * four);
 }
 
 // Openness that a sphere leaves to four points of which `open` is left.
-fn uncovered(open: vec4f, x: vec4f, y: vec4f, z: vec4f, cover: Cover) -> vec4f {
-    let a = x - cover.middle.x;
-    let b = y - cover.middle.y;
-    let c = z - cover.middle.z;
+fn uncovered(open: vec4f, points: Points, cover: Cover) -> vec4f {
+    let a = points.x - cover.middle.x;
+    let b = points.y - cover.middle.y;
+    let c = points.z - cover.middle.z;
     let inside = (cover.chord - sqrt(a * a + b * b + c * c)) * cover.per_spacing;
     return min(open, 1.0 - clamp(inside + 0.5, vec4f(0.0), vec4f(1.0)) * cover.factor);
 }
 
+// Sum of what is left of four points by the cosine, and of the cosines.
+fn weighted(open: vec4f, points: Points, normal: vec3f) -> vec2f {
+    let cosine = points.x * normal.x + points.y * normal.y + points.z * normal.z;
+    // So that a lamp of which no point is above the horizon has a mean, too.
+    let weight = max(cosine, vec4f(1e-6));
+    return vec2f(dot(open, weight), dot(weight, vec4f(1.0)));
+}
+
 // The mean over all points of what is left, weighted by the cosine.
 fn open_share(view: LampView, receiver: Receiver, cut: Cut) -> f32 {
-    let points = lamp_points(view);
-    var first = vec4f(1.0);
-    var second = vec4f(1.0);
-    var third = vec4f(1.0);
-    var fourth = vec4f(1.0);
+    let a = lamp_points(view, 0u);
+    let b = lamp_points(view, 1u);
+    let c = lamp_points(view, 2u);
+    let d = lamp_points(view, 3u);
+    // How much is left of each.
+    var of_a = vec4f(1.0);
+    var of_b = vec4f(1.0);
+    var of_c = vec4f(1.0);
+    var of_d = vec4f(1.0);
     let per_spacing = 1.0 / view.spacing;
     for (var i = cut.first; i < cut.end; i++) {
         let blocker = blockers[i];
@@ -136,7 +126,7 @@ fn open_share(view: LampView, receiver: Receiver, cut: Cut) -> f32 {
         if (seen.sin_squared <= 0.0 || !hides(blocker, cut)) {
             continue;
         }
-        let chord = sqrt(2.0 * seen.sin_squared / (1.0 + sqrt(max(1.0 - seen.sin_squared, 0.0))));
+        let chord = sqrt(2.0 * versine_of(seen.sin_squared));
         let apart = seen.direction - view.direction;
         let reach = chord + view.chord + view.spacing;
         if (dot(apart, apart) < reach * reach) {
@@ -145,22 +135,13 @@ fn open_share(view: LampView, receiver: Receiver, cut: Cut) -> f32 {
             let before = clamp(nearer * (0.5 / blocker.radius) + 0.5, 0.0, 1.0);
             let area = min(chord * per_spacing, 1.0);
             let cover = Cover(seen.direction, chord, area * area * before, per_spacing);
-            first = uncovered(first, points.x[0], points.y[0], points.z[0], cover);
-            second = uncovered(second, points.x[1], points.y[1], points.z[1], cover);
-            third = uncovered(third, points.x[2], points.y[2], points.z[2], cover);
-            fourth = uncovered(fourth, points.x[3], points.y[3], points.z[3], cover);
+            of_a = uncovered(of_a, a, cover);
+            of_b = uncovered(of_b, b, cover);
+            of_c = uncovered(of_c, c, cover);
+            of_d = uncovered(of_d, d, cover);
         }
     }
-    var sum = 0.0;
-    var weights = 0.0;
-    let open = mat4x4f(first, second, third, fourth);
-    for (var four = 0u; four < 4u; four++) {
-        let cosine = points.x[four] * receiver.normal.x + points.y[four] * receiver.normal.y
-            + points.z[four] * receiver.normal.z;
-        // So that a lamp of which no point is above the horizon has a mean, too.
-        let weight = max(cosine, vec4f(1e-6));
-        sum += dot(open[four], weight);
-        weights += dot(weight, vec4f(1.0));
-    }
-    return sum / weights;
+    let normal = receiver.normal;
+    let sums = weighted(of_a, a, normal) + weighted(of_b, b, normal) + weighted(of_c, c, normal) + weighted(of_d, d, normal);
+    return sums.x / sums.y;
 }

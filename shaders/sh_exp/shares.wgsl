@@ -26,7 +26,7 @@ fn cap_of(seen: Seen) -> Cap {
     let v = seen.direction;
     return Cap(
         vec3f(dot(rows[0].xyz, v), dot(rows[1].xyz, v), dot(rows[2].xyz, v)),
-        seen.sin_squared / (1.0 + sqrt(1.0 - seen.sin_squared)),
+        versine_of(seen.sin_squared),
     );
 }
 

@@ -124,7 +124,7 @@ fn structs_lie_in_rust_as_in_wgsl() {
         offset_of!(Frame, own_rotations),
         offset_of!(Frame, own_spheres),
         offset_of!(Frame, lamps),
-        offset_of!(Frame, spiral),
+        offset_of!(Frame, lamp_fan),
         offset_of!(Frame, mean_normals),
         offset_of!(Frame, padding),
     ];

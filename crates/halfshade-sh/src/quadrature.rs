@@ -2,15 +2,17 @@
 
 use crate::basis;
 use gauss_quad::GaussLegendre;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 use std::num::NonZeroUsize;
+
+/// π (3 - √5), the angle whose multiples fill a circle evenly, however many there are.
+pub const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
 
 /// `count` unit directions of equal area 4π/count, on a spiral about the y axis that turns by the golden angle.
 pub fn golden_spiral(count: usize) -> impl ExactSizeIterator<Item = [f64; 3]> {
-    let turn = PI * (3.0 - 5.0_f64.sqrt());
     (0..count).map(move |i| {
         let y = 1.0 - (2.0 * i as f64 + 1.0) / count as f64;
-        let (sin, cos) = (turn * i as f64).sin_cos();
+        let (sin, cos) = (GOLDEN_ANGLE * i as f64).sin_cos();
         let ring = (1.0 - y * y).max(0.0).sqrt();
         [ring * cos, y, ring * sin]
     })

@@ -5,7 +5,7 @@ use crate::rows::{filled, in_fours};
 use bytemuck::{Pod, Zeroable};
 use halfshade_sh::kernel::{BatchExponential, ExposedShares};
 use halfshade_strategies::sh_exp::arrays::{
-    BaseByNormal, CombinationArrays, DistantLightByNormal, FrameArrays, ReflectionArrays, SceneArrays, spiral,
+    BaseByNormal, CombinationArrays, DistantLightByNormal, FrameArrays, LAMP_POINTS, ReflectionArrays, SceneArrays,
 };
 
 /// Settings of a frame, as `sh_exp/frame.wgsl` reads them.
@@ -33,7 +33,7 @@ pub struct FrameUniforms {
     pub own_rotations: u32,
     pub own_spheres: u32,
     pub lamps: u32,
-    pub spiral: u32,
+    pub lamp_fan: u32,
     pub mean_normals: u32,
     pub padding: [u32; 2],
 }
@@ -70,7 +70,7 @@ impl Tables {
             CombinationArrays::Exponential(exponential) => {
                 tables.uniforms.shadow_table = tables.add_linear(exponential);
             }
-            CombinationArrays::Shares { points } => tables.add_fan(points),
+            CombinationArrays::Shares { points } => tables.uniforms.fan = tables.add_fan(points),
             CombinationArrays::Product | CombinationArrays::Traced => {}
         }
         if let Some(reflections) = &arrays.reflections {
@@ -79,10 +79,7 @@ impl Tables {
         let cosine = arrays.reflections.map(|reflections| reflections.cosine).or(arrays.ground_cosine);
         tables.uniforms.reflectance = filled(cosine.unwrap_or_default());
         tables.add_light(arrays.bands, frame.light);
-        tables.uniforms.spiral = tables.next_row();
-        for four in spiral().as_chunks::<4>().0 {
-            tables.rows.extend([0, 1].map(|part| four.map(|turn| turn[part])));
-        }
+        tables.uniforms.lamp_fan = tables.add_fan(LAMP_POINTS);
         if let Some(own) = own {
             tables.uniforms.own_receivers = tables.next_row() + own.first_receiver() as u32;
             let vectors = tables.next_row();
@@ -111,12 +108,14 @@ impl Tables {
         table
     }
 
-    fn add_fan(&mut self, points: usize) {
-        self.uniforms.fan = self.next_row();
+    /// Gives the row at which it begins.
+    fn add_fan(&mut self, points: usize) -> u32 {
+        let first = self.next_row();
         self.rows.extend(ExposedShares::fan(points).map(|[share, cosine, sine]| [share, cosine, sine, 1.0]));
         // Eight points are looked at together.
         let end = self.rows.len() + points.next_multiple_of(8) - points;
         self.rows.resize(end, [0.0; 4]);
+        first
     }
 
     fn add_reflections(&mut self, arrays: &SceneArrays<'_>, reflections: &ReflectionArrays<'_>) {

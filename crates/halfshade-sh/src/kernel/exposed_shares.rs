@@ -11,6 +11,7 @@
 //! that cap's centre, not at all from `v (1 + 1/(2 points))`, linearly between. A cap smaller than what a point stands
 //! for is widened to that, and counted for less in proportion.
 
+use crate::quadrature::GOLDEN_ANGLE;
 use wide::f32x8;
 
 /// A cap on the sphere of directions, one per lane.
@@ -31,10 +32,24 @@ impl SphericalCap8 {
             versine: f32x8::splat((2.0 * half_sine * half_sine) as f32),
         }
     }
-}
 
-/// Golden angle: turns from one point of the fan to the next.
-const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
+    /// Points at equal solid angle on the caps, one for each of a [`ExposedShares::fan`].
+    #[inline(always)]
+    pub fn points(self, fan: &[[f32; 3]]) -> impl Iterator<Item = [f32x8; 3]> {
+        let Self { direction, versine: whole } = self;
+        let (first, second) = tangents(direction);
+        fan.iter().map(move |&[fraction, cosine, sine]| {
+            // 1 - z rather than z, so that small caps keep their points apart.
+            let versine = whole * f32x8::splat(fraction);
+            let radius = (versine * (f32x8::splat(2.0) - versine)).sqrt();
+            let (u, v) = (radius * f32x8::splat(cosine), radius * f32x8::splat(sine));
+            std::array::from_fn(|axis| {
+                let foot = versine.mul_neg_add(direction[axis], direction[axis]);
+                first[axis].mul_add(u, second[axis].mul_add(v, foot))
+            })
+        })
+    }
+}
 
 /// Finds exposed shares; keeps its memory from one group of caps to the next.
 #[derive(Debug, Clone)]
@@ -171,18 +186,8 @@ impl PreparedCap {
 
     /// Points at equal solid angle, with the count of caps that each is in: 1 so far.
     fn points(&self, fan: &[[f32; 3]]) -> impl Iterator<Item = ([f32x8; 3], f32x8)> {
-        let (first, second) = tangents(self.direction);
-        fan.iter().map(move |&[fraction, cosine, sine]| {
-            // 1 - z rather than z, so that small caps keep their points apart.
-            let versine = self.versine * f32x8::splat(fraction);
-            let radius = (versine * (f32x8::splat(2.0) - versine)).sqrt();
-            let (u, v) = (radius * f32x8::splat(cosine), radius * f32x8::splat(sine));
-            let point = std::array::from_fn(|axis| {
-                let foot = versine.mul_neg_add(self.direction[axis], self.direction[axis]);
-                first[axis].mul_add(u, second[axis].mul_add(v, foot))
-            });
-            (point, f32x8::ONE)
-        })
+        let cap = SphericalCap8 { direction: self.direction, versine: self.versine };
+        cap.points(fan).map(|point| (point, f32x8::ONE))
     }
 }
 
@@ -194,8 +199,7 @@ fn squared_distance(a: &[f32x8; 3], b: &[f32x8; 3]) -> f32x8 {
 
 /// Two unit vectors at right angles to unit `direction` and each other, continuous but for the direction -Y; within a
 /// degree of that they are shorter and askew.
-#[inline(always)]
-pub fn tangents([x, y, z]: [f32x8; 3]) -> ([f32x8; 3], [f32x8; 3]) {
+fn tangents([x, y, z]: [f32x8; 3]) -> ([f32x8; 3], [f32x8; 3]) {
     let a = -f32x8::ONE / (f32x8::ONE + y).max(f32x8::splat(1e-4));
     let b = x * z * a;
     ([x.mul_add(x * a, f32x8::ONE), -x, b], [b, -z, z.mul_add(z * a, f32x8::ONE)])

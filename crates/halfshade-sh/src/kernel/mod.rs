@@ -11,7 +11,7 @@ mod straight_line;
 mod table;
 
 pub use exponential::{BatchExponential, ExponentialParts, FULL, dot, limit_to_visibility};
-pub use exposed_shares::{ExposedShares, SphericalCap8, tangents};
+pub use exposed_shares::{ExposedShares, SphericalCap8};
 pub use lane::Lane;
 pub use straight_line::{accumulate_lobe, basis, product, product_one, square, square_one, times_bands};
 

@@ -43,7 +43,7 @@ mod prepare;
 mod settings;
 mod shade;
 
-use crate::shared::{blockers::Blockers, divided_light::DividedLight};
+use crate::shared::{blockers::Blockers, by_mesh::distinct, divided_light::DividedLight};
 use bake::{
     boxes::{SolidBox, solid_box},
     directions::{DirectionSets, Drawing},
@@ -156,14 +156,12 @@ impl BakedScene {
 
 impl Baked for BakedScene {
     fn footprint(&self) -> Footprint {
-        let mut meshes: Vec<&Arc<OwnMesh>> = self.own.iter().flatten().collect();
-        meshes.sort_unstable_by_key(|own| Arc::as_ptr(own));
-        meshes.dedup_by(|a, b| Arc::ptr_eq(a, b));
+        let own = distinct(self.own.iter().flatten());
         Footprint {
             parts: vec![
                 ("directions", self.sets.bytes()),
                 ("irradiance over normals", self.light.bytes()),
-                ("own visibility", meshes.iter().map(|own| size_of_val(own.cells.words.as_slice())).sum()),
+                ("own visibility", own.map(|own| size_of_val(own.cells.words.as_slice())).sum()),
                 ("spheres, boxes and lamps", self.frame.bytes()),
                 ("bindings", self.blockers.bytes()),
             ],

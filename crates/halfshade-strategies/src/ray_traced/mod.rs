@@ -56,7 +56,7 @@ use prepare::{
     neighbours::Neighbours,
     occlusion::{Meshes, Occlusion},
 };
-use settings::{Estimator, Sampling, Settings};
+use settings::Settings;
 use shade::{FrameRays, filter::Filter};
 
 /// The strategy.
@@ -65,7 +65,7 @@ pub struct RayTraced;
 
 /// The state kept from frame to frame: objects that stay where they are, and light that doesn't change, cost nothing.
 struct Kept {
-    settings: Settings,
+    arrays: SampleArrays,
     meshes: Meshes,
     placed: Option<(Placement, SceneRays)>,
     light: Option<LightSampler>,
@@ -98,7 +98,6 @@ impl Strategy for RayTraced {
     }
 
     fn bake(&self, scene: &Scene, params: &Params, _: &dyn Progress) -> Result<Box<dyn Baked>, StrategyError> {
-        let settings = Settings::read(params);
         let arrays = SampleArrays::new(params);
         if arrays.filter.is_some() && !arrays.is_ratio {
             return Err(StrategyError::Unsupported(FILTERS_SHARES.into()));
@@ -106,7 +105,7 @@ impl Strategy for RayTraced {
         let irradiance = arrays.irradiance(scene);
         let neighbours = arrays.filter.map(|_| Neighbours::default());
         let meshes = Meshes::new(scene);
-        Ok(Box::new(Kept { settings, meshes, placed: None, light: None, irradiance, neighbours }))
+        Ok(Box::new(Kept { arrays, meshes, placed: None, light: None, irradiance, neighbours }))
     }
 }
 
@@ -124,22 +123,19 @@ impl Baked for Kept {
     }
 
     fn place_receivers(&mut self, frame: &Frame<'_>, receivers: Receivers<'_>) -> Result<(), StrategyError> {
-        if let Some(neighbours) = &mut self.neighbours {
-            *neighbours = Neighbours::new(frame, receivers, self.settings.filter_levels as usize);
+        if let Some(FilterArrays { levels, .. }) = self.arrays.filter {
+            self.neighbours = Some(Neighbours::new(frame, receivers, levels));
         }
         Ok(())
     }
 
     fn prepare(&mut self, frame: &Frame<'_>) -> Result<Box<dyn Prepared + '_>, StrategyError> {
-        let Settings { samples, sampling, estimator, .. } = self.settings;
-        let filter = FilterArrays::new(&self.settings);
+        let SampleArrays { samples, cosine_share, is_product, is_ratio, filter, .. } = self.arrays;
         let known = self.placed.take().filter(|(placement, _)| frame.is_placed_as(placement));
         let (_, rays) = self.placed.insert(known.unwrap_or_else(|| (frame.placement(), self.meshes.placed(frame))));
         let known = self.light.take();
         let sampler = LightSampler::new(frame, known);
-        let is_product = sampling == Sampling::Product;
         let light = self.light.insert(if is_product { sampler.with_tree() } else { sampler });
-        let share = sampling.cosine_share();
         let irradiance = self.irradiance.as_mut().map(|irradiance| {
             irradiance.set_base(&frame.scene.environment.base);
             FrameIrradiance::new(irradiance, frame)
@@ -147,8 +143,8 @@ impl Baked for Kept {
         Ok(Box::new(FrameRays {
             samples,
             is_product,
-            is_ratio: estimator == Estimator::Ratio,
-            cosine_share: if share > 0.0 && light.is_constant() { 1.0 } else { share },
+            is_ratio,
+            cosine_share: if cosine_share > 0.0 && light.is_constant() { 1.0 } else { cosine_share },
             occlusion: Occlusion::new(&self.meshes, rays),
             light,
             irradiance,

@@ -2,7 +2,7 @@
 
 pub use super::kernel::{
     blocker::{Blocker, OwnSpheres},
-    lamps::{POINTS as LAMP_POINTS, spiral},
+    lamps::POINTS as LAMP_POINTS,
     light::{BaseByNormal, DistantLightByNormal},
     sun::SunLight,
 };
@@ -237,8 +237,8 @@ impl BakedScene {
             lamps,
             light_changes: light.changes,
             rotation: space.rotation,
-            center: space.center,
-            blockers_from_light: space.blockers_from_light,
+            center: space.origin,
+            blockers_from_light: self.data.blockers_from_light,
             turns: &self.data.turns,
             radiance_channels: reflections.map_or(0, |tables| tables.channels(self.data.is_grey())),
             radiance: &self.data.radiance.vectors,

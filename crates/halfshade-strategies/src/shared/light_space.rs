@@ -20,8 +20,13 @@ impl LightSpace {
     }
 
     /// A point of the world.
+    pub(crate) fn place(&self, point: DVec3) -> DVec3 {
+        self.rotation * (point - self.origin)
+    }
+
+    /// The same in single precision.
     pub(crate) fn point(&self, point: DVec3) -> Vec3 {
-        (self.rotation * (point - self.origin)).as_vec3()
+        self.place(point).as_vec3()
     }
 
     /// A direction of the world.
@@ -32,5 +37,11 @@ impl LightSpace {
     /// Rotation from here into the space of an object.
     pub(crate) fn object_from_light(&self, pose: &Pose) -> DMat3 {
         DMat3::from_quat(pose.rotation.as_dquat().normalize().conjugate()) * self.rotation.transpose()
+    }
+
+    /// Its rows in single precision.
+    pub(crate) fn rows_into_object(&self, pose: &Pose) -> [[f32; 3]; 3] {
+        let rows = self.object_from_light(pose).transpose();
+        [rows.x_axis, rows.y_axis, rows.z_axis].map(|row| row.as_vec3().to_array())
     }
 }

@@ -3,6 +3,7 @@
 
 pub(crate) mod adjustment;
 pub(crate) mod blockers;
+pub(crate) mod by_mesh;
 pub(crate) mod divided_light;
 pub(crate) mod irradiance;
 pub(crate) mod lamps;

@@ -14,6 +14,7 @@
 use crate::mask::kernel::directions::{BLOCK, DirectionSet, Directions8};
 use glam::{DVec3, Vec3};
 use halfshade_scene::light::{DirectionalCells, DistantLight, OctahedralGrid};
+use halfshade_sh::quadrature::GOLDEN_ANGLE;
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 use wide::f32x8;
@@ -130,7 +131,6 @@ fn slack(grid: &OctahedralGrid) -> f64 {
 
 /// Directions with density `max(normal·ω + slack, 0)`; evenly over all directions if `slack` is infinite.
 fn spiral(normal: DVec3, slack: f64, count: usize) -> Vec<Direction> {
-    let golden_angle = PI * (3.0 - 5.0f64.sqrt());
     let (a, b) = normal.any_orthonormal_pair();
     let direction = |i: usize| {
         let within = (i as f64 + 0.5) / count as f64;
@@ -141,7 +141,7 @@ fn spiral(normal: DVec3, slack: f64, count: usize) -> Vec<Direction> {
             (1.0 - 2.0 * within, 1.0 / (4.0 * PI))
         };
         let across = (1.0 - cosine * cosine).max(0.0).sqrt();
-        let (sin, cos) = (golden_angle * i as f64).sin_cos();
+        let (sin, cos) = (GOLDEN_ANGLE * i as f64).sin_cos();
         let solid_angle = 1.0 / (density * count as f64);
         Direction {
             direction: (across * (cos * a + sin * b) + cosine * normal).normalize(),

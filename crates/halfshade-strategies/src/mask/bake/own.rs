@@ -2,7 +2,10 @@
 
 use crate::{
     mask::kernel::own::{OpenCells, cell_direction, words_of},
-    shared::triangle_rays::{Start, TriangleRays},
+    shared::{
+        by_mesh::ByMesh,
+        triangle_rays::{Start, TriangleRays},
+    },
 };
 use glam::Vec3;
 use halfshade_scene::{Mesh, Object, Progress, Scene};
@@ -20,20 +23,12 @@ pub(crate) struct OwnMesh {
 /// there.
 pub(crate) fn own_meshes(scene: &Scene, side: usize, progress: &dyn Progress) -> Vec<Option<Arc<OwnMesh>>> {
     progress.start("directions that meshes hide from themselves", scene.objects.len() as u64);
-    let mut known: Vec<Arc<OwnMesh>> = Vec::new();
-    let mut of = |object: &Object| {
+    let mut meshes = ByMesh::new();
+    let of = |object: &Object| {
         progress.advance(1);
-        if object.skin.is_some() || object.mesh.normals.len() != object.mesh.positions.len() {
-            return None;
-        }
-        if let Some(found) = known.iter().find(|own| Arc::ptr_eq(&own.mesh, &object.mesh)) {
-            return Some(found.clone());
-        }
-        let own = Arc::new(OwnMesh { mesh: object.mesh.clone(), cells: open_cells(&object.mesh, side) });
-        known.push(own.clone());
-        Some(own)
+        meshes.of_rigid(object, |mesh| OwnMesh { mesh: mesh.clone(), cells: open_cells(mesh, side) })
     };
-    scene.objects.iter().map(&mut of).collect()
+    scene.objects.iter().map(of).collect()
 }
 
 fn open_cells(mesh: &Mesh, side: usize) -> OpenCells {

@@ -9,6 +9,7 @@ use super::{
 };
 use crate::shared::placed_lamps::LampPlace;
 use glam::Vec3;
+use halfshade_sh::quadrature::GOLDEN_ANGLE;
 use wide::f32x8;
 
 /// Places on a cap, the same for all: the part of its solid angle that lies nearer to its middle, and the unit vector
@@ -41,7 +42,6 @@ pub(crate) struct LampView {
 impl Spiral {
     /// So many places, in whole blocks.
     pub(crate) fn new(count: usize) -> Self {
-        let golden_angle = std::f64::consts::PI * (3.0 - 5.0f64.sqrt());
         let lanes = |first: usize, of: &dyn Fn(f64) -> f64| {
             f32x8::from(std::array::from_fn::<f32, 8, _>(|lane| of((first + lane) as f64) as f32))
         };
@@ -50,7 +50,7 @@ impl Spiral {
             within: firsts.clone().map(|first| lanes(first, &|i| ((i + 0.5) / count as f64).min(1.0))).collect(),
             turn: firsts
                 .map(|first| {
-                    [f64::cos, f64::sin].map(|of| lanes(first, &|i| of((golden_angle * i) % std::f64::consts::TAU)))
+                    [f64::cos, f64::sin].map(|of| lanes(first, &|i| of((GOLDEN_ANGLE * i) % std::f64::consts::TAU)))
                 })
                 .collect(),
             count,

@@ -9,7 +9,7 @@ use crate::{
         placed_lamps::{Lamp, placed_lamps},
     },
 };
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use halfshade_scene::{Frame, Pose};
 
 /// Spheres, boxes and lamps of a frame.
@@ -44,7 +44,7 @@ impl FrameData {
             spheres: blocking_spheres(&by_object, &space),
             boxes: boxes.collect(),
             lamps: placed_lamps(frame, light.suns(&frame.scene.environment), |point| space.point(point)),
-            object_from_light: frame.world_from_object.iter().map(|pose| rows(space.object_from_light(pose))).collect(),
+            object_from_light: frame.world_from_object.iter().map(|pose| space.rows_into_object(pose)).collect(),
             space,
         }
     }
@@ -59,13 +59,7 @@ fn placed_box(solid: &SolidBox, pose: &Pose, space: &LightSpace, object: u32) ->
     PlacedBox {
         center: space.point(center + pose.translation.as_dvec3()).to_array(),
         half: (pose.scale * solid.half).to_array(),
-        rotation: rows(space.object_from_light(pose)),
+        rotation: space.rows_into_object(pose),
         object,
     }
-}
-
-/// Rows of a matrix in single precision.
-fn rows(matrix: DMat3) -> [[f32; 3]; 3] {
-    let rows = matrix.transpose();
-    [rows.x_axis, rows.y_axis, rows.z_axis].map(|row| row.as_vec3().to_array())
 }

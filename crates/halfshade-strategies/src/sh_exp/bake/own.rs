@@ -17,10 +17,17 @@
 //!
 //! Visibility past the object and that past all others are multiplied (`shade/batches.rs`).
 
-use crate::shared::triangle_rays::{Start, TriangleRays};
+use crate::shared::{
+    by_mesh::{ByMesh, distinct},
+    triangle_rays::{Start, TriangleRays},
+};
 use glam::{DMat3, DVec3, Vec3};
-use halfshade_scene::{Mesh, Scene, light::OctahedralGrid};
-use halfshade_sh::{basis, quadrature::SphereQuadrature, rotation::ShRotation};
+use halfshade_scene::{Mesh, Object, Scene, light::OctahedralGrid};
+use halfshade_sh::{
+    basis,
+    quadrature::{GOLDEN_ANGLE, SphereQuadrature},
+    rotation::ShRotation,
+};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::{f64::consts::TAU, sync::Arc};
@@ -57,13 +64,9 @@ impl OwnTables {
         let grid = OctahedralGrid::new((directions as f64).sqrt().round() as usize);
         let nodes: Vec<Vec3> = (0..if for_lamps { grid.node_count() } else { 0 }).map(|n| grid.direction(n)).collect();
         let fit = HemisphereFit::new(bands, directions);
-        let mut objects: Vec<Option<Arc<OwnVectors>>> = Vec::new();
-        for object in &scene.objects {
-            let same = |known: &&Arc<OwnVectors>| Arc::ptr_eq(&known.mesh, &object.mesh);
-            let known = objects.iter().flatten().find(same).cloned();
-            let bake = || known.unwrap_or_else(|| Arc::new(OwnVectors::new(&object.mesh, &fit, &nodes)));
-            objects.push(object.skin.is_none().then(bake));
-        }
+        let mut meshes = ByMesh::new();
+        let of = |object: &Object| meshes.of_rigid(object, |mesh| OwnVectors::new(mesh, &fit, &nodes));
+        let objects = scene.objects.iter().map(of).collect();
         Self { objects, grid }
     }
 
@@ -78,14 +81,8 @@ impl OwnTables {
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        let mut distinct: Vec<&Arc<OwnVectors>> = Vec::new();
-        for own in self.objects.iter().flatten() {
-            if !distinct.iter().any(|known| Arc::ptr_eq(known, own)) {
-                distinct.push(own);
-            }
-        }
-        let bytes = |own: &&Arc<OwnVectors>| size_of_val(own.values.as_slice()) + size_of_val(own.hidden.as_slice());
-        distinct.iter().map(bytes).sum()
+        let bytes = |own: &Arc<OwnVectors>| size_of_val(own.values.as_slice()) + size_of_val(own.hidden.as_slice());
+        distinct(self.objects.iter().flatten()).map(bytes).sum()
     }
 }
 
@@ -174,9 +171,6 @@ fn cosine_directions(count: usize) -> impl Iterator<Item = DVec3> {
         DVec3::new(across * cos, across * sin, (1.0 - squared).sqrt())
     })
 }
-
-/// π (3 - √5).
-const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
 
 #[cfg(test)]
 mod tests {

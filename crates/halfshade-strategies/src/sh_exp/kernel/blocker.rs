@@ -62,6 +62,12 @@ pub(crate) struct Seen {
     pub(crate) sin_squared: f32x8,
 }
 
+/// 1 less the cosine of angular radii, from their squared sines in [0, 1]: without cancellation.
+#[inline(always)]
+pub(crate) fn versine(sin_squared: f32x8) -> f32x8 {
+    sin_squared / (f32x8::ONE + (f32x8::ONE - sin_squared).sqrt())
+}
+
 impl OwnSpheres {
     #[inline(always)]
     pub(crate) fn contains(self, sphere: u32) -> bool {

@@ -13,31 +13,26 @@
 //! one hides behind another and too little only within an edge's width. What is left of the points, weighted by the
 //! receiver's cosine, is the share of the exact irradiance that arrives.
 
-use super::{Blockers, Receivers8};
+use super::{Blockers, Receivers8, blocker::versine};
 use crate::shared::{
     placed_lamps::{Lamp, LampPlace},
     vector::dot,
 };
 use glam::Vec3;
 use halfshade_scene::light::cap_irradiance;
-use halfshade_sh::kernel::tangents;
-use std::{f32::consts::FRAC_1_PI, f64::consts::PI};
+use halfshade_sh::kernel::{ExposedShares, SphericalCap8};
+use std::f32::consts::FRAC_1_PI;
 use wide::f32x8;
 
 /// Points per lamp.
 pub const POINTS: usize = 16;
 
-/// Cosine and sine of the turn of each point about the middle of its lamp: those of the golden angle's multiples.
-pub fn spiral() -> [[f32; 2]; POINTS] {
-    let golden_angle = PI * (3.0 - 5.0_f64.sqrt());
-    std::array::from_fn(|k| [f64::cos, f64::sin].map(|of| of(golden_angle * k as f64) as f32))
-}
-
 /// Memory for one batch of receivers.
 #[derive(Debug)]
 pub(crate) struct LampViews {
     views: Vec<LampView>,
-    spiral: [[f32; 2]; POINTS],
+    /// Where the points lie on any cap.
+    fan: Vec<[f32; 3]>,
 }
 
 /// A lamp as eight receivers see it.
@@ -60,7 +55,7 @@ struct LampView {
 
 impl LampViews {
     pub(crate) fn new() -> Self {
-        Self { views: Vec::new(), spiral: spiral() }
+        Self { views: Vec::new(), fan: ExposedShares::fan(POINTS).collect() }
     }
 
     /// Outgoing radiance of white receivers by channel under all `lamps`; `own` tells how much of a light along a direction the
@@ -75,9 +70,9 @@ impl LampViews {
         own: impl Fn(&[f32x8; 3]) -> f32x8,
         constant: impl Fn() -> f32x8,
     ) -> [f32x8; 3] {
-        let Self { views, spiral } = self;
+        let Self { views, fan } = self;
         views.clear();
-        views.extend(lamps.iter().filter_map(|lamp| LampView::new(lamp, receivers, spiral)));
+        views.extend(lamps.iter().filter_map(|lamp| LampView::new(lamp, receivers, fan)));
         let mut radiance = [f32x8::ZERO; 3];
         for lamp in lamps {
             let surrounds = surrounds(lamp, &receivers.position);
@@ -93,9 +88,7 @@ impl LampViews {
         }
         for blocker in blockers.list {
             let Some(seen) = blockers.hiding(blocker, receivers) else { continue };
-            let versine =
-                seen.sin_squared / (f32x8::ONE + (f32x8::ONE - seen.sin_squared).fast_max(f32x8::ZERO).sqrt());
-            let chord = (f32x8::splat(2.0) * versine).sqrt();
+            let chord = (f32x8::splat(2.0) * versine(seen.sin_squared)).sqrt();
             let offset: [f32x8; 3] =
                 std::array::from_fn(|axis| f32x8::splat(blocker.center[axis]) - receivers.position[axis]);
             for view in views.iter_mut() {
@@ -119,7 +112,7 @@ impl LampViews {
 impl LampView {
     /// `None` if no receiver is lit by it.
     #[inline(always)]
-    fn new(lamp: &Lamp, Receivers8 { position, normal, .. }: &Receivers8, spiral: &[[f32; 2]; POINTS]) -> Option<Self> {
+    fn new(lamp: &Lamp, Receivers8 { position, normal, .. }: &Receivers8, fan: &[[f32; 3]]) -> Option<Self> {
         let (direction, sine, distance) = match lamp.place {
             LampPlace::Far { direction, sine } => {
                 (direction.map(f32x8::splat), f32x8::splat(sine), f32x8::splat(f32::INFINITY))
@@ -138,10 +131,14 @@ impl LampView {
         if !reflected.simd_gt(f32x8::ZERO).any() {
             return None;
         }
-        let versine = sine * sine / (f32x8::ONE + (f32x8::ONE - sine * sine).fast_max(f32x8::ZERO).sqrt());
+        let versine = versine(sine * sine);
         let chord = (f32x8::splat(2.0) * versine).sqrt();
         let spacing = (chord * f32x8::splat(1.0 / (POINTS as f32).sqrt())).fast_max(f32x8::splat(1e-12));
-        let points = points(&direction, versine, spiral);
+        let mut points = [direction; POINTS];
+        points
+            .iter_mut()
+            .zip(SphericalCap8 { direction, versine }.points(fan))
+            .for_each(|(place, point)| *place = point);
         let open = [f32x8::ONE; POINTS];
         Some(Self { radiance: lamp.radiance, direction, reflected, distance, chord, spacing, points, open })
     }
@@ -202,19 +199,6 @@ fn irradiance(cosine: f32x8, sine: f32x8) -> f32x8 {
     is_cut.select(f32x8::from(cut), above)
 }
 
-/// Points of equal solid angle on caps, along spirals.
-#[inline(always)]
-fn points(axis: &[f32x8; 3], versine: f32x8, spiral: &[[f32; 2]; POINTS]) -> [[f32x8; 3]; POINTS] {
-    let (u, v) = tangents(*axis);
-    std::array::from_fn(|k| {
-        let [cos, sin] = spiral[k];
-        let fall = versine * f32x8::splat((k as f32 + 0.5) / POINTS as f32);
-        let radius = (fall * (f32x8::splat(2.0) - fall)).fast_max(f32x8::ZERO).sqrt();
-        let (along, across) = (radius * f32x8::splat(cos), radius * f32x8::splat(sin));
-        std::array::from_fn(|i| u[i].mul_add(along, v[i].mul_add(across, (-fall).mul_add(axis[i], axis[i]))))
-    })
-}
-
 #[inline(always)]
 fn squared_distance(a: &[f32x8; 3], b: &[f32x8; 3]) -> f32x8 {
     let offset: [f32x8; 3] = std::array::from_fn(|axis| a[axis] - b[axis]);
@@ -228,6 +212,7 @@ mod tests {
     use glam::DVec3;
     use halfshade_scene::spheres::AdjustRule;
     use halfshade_sh::blocker_table::{BlockerTable, Quantity};
+    use std::f64::consts::PI;
 
     const NORMAL: DVec3 = DVec3::Y;
 

@@ -28,7 +28,7 @@ pub(crate) struct OwnOcclusion<'a> {
     hidden: &'a [u32],
     grid: &'a OctahedralGrid,
     /// Rows of the rotation from light space.
-    object_from_light: &'a [f32; 9],
+    object_from_light: &'a [[f32; 3]; 3],
     pub(crate) spheres: OwnSpheres,
 }
 
@@ -69,8 +69,8 @@ impl<'a> OwnOcclusion<'a> {
         if self.hidden.is_empty() {
             return f32x8::ONE;
         }
-        let row = |k: usize| std::array::from_fn(|axis| f32x8::splat(self.object_from_light[3 * k + axis]));
-        let (nodes, weights) = self.grid.lookup_batch(&std::array::from_fn(|k| dot(&row(k), direction)));
+        let in_object = self.object_from_light.map(|row| dot(&row.map(f32x8::splat), direction));
+        let (nodes, weights) = self.grid.lookup_batch(&in_object);
         let weights = weights.map(f32x8::to_array);
         let words = self.grid.node_count().div_ceil(32);
         f32x8::from(std::array::from_fn::<f32, 8, _>(|lane| {

@@ -1,6 +1,9 @@
 //! `exp=shares`: visibility as one less the share that each sphere alone covers, in place of products and exponentials.
 
-use super::{Blockers, Receivers8, blocker::Seen};
+use super::{
+    Blockers, Receivers8,
+    blocker::{Seen, versine},
+};
 use glam::DMat3;
 use halfshade_sh::kernel::{self, ExposedShares, ShBatch, SphericalCap8};
 use wide::f32x8;
@@ -35,8 +38,7 @@ impl Exposure {
                 let [x, y, z] = seen.direction;
                 turn[3 * axis].mul_add(x, turn[3 * axis + 1].mul_add(y, turn[3 * axis + 2] * z))
             }),
-            // 1 - cos θ without cancellation.
-            versine: seen.sin_squared / (f32x8::ONE + (f32x8::ONE - seen.sin_squared).sqrt()),
+            versine: versine(seen.sin_squared),
         });
         let shares = self.shares.evaluate(caps);
         let mut visibility = [f32x8::ZERO; N];

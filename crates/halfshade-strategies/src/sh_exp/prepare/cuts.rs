@@ -19,11 +19,14 @@
 //!
 //! A receiver belongs to the cluster of the vertex next to it.
 
-use super::placed::{LightSpace, PlacedObject, PlacedSpheres, placed};
-use crate::sh_exp::{
-    bake::{CutSettings, clusters::ObjectClusters},
-    kernel::Blocker,
-    settings::Levels,
+use super::placed::{PlacedObject, PlacedSpheres, placed};
+use crate::{
+    sh_exp::{
+        bake::{CutSettings, clusters::ObjectClusters},
+        kernel::Blocker,
+        settings::Levels,
+    },
+    shared::light_space::LightSpace,
 };
 use glam::{DVec3, Vec3};
 use halfshade_scene::{Frame, Receivers};
@@ -110,7 +113,7 @@ impl Cuts {
             let mut centers = Vec::new();
             for cluster in clusters.followed(frame.deformed(number)) {
                 let (place, radius) = placed(&cluster.bound, pose);
-                let place = space.light_from_world(place);
+                let place = space.place(place);
                 let normal = space.rotation * (pose.rotation.as_dquat() * cluster.normal);
                 let cut = cut(place, radius);
                 centers.push(place.as_vec3());
@@ -207,7 +210,7 @@ impl Cuts {
         let of_cluster = |i: usize| {
             let clusters = self.clusters.get(receivers.object[i] as usize)?;
             let cluster = clusters.object.of(receivers.surface[i]).or_else(|| {
-                let position = space.light_from_world(receivers.position_at(i).as_dvec3());
+                let position = space.place(receivers.position_at(i).as_dvec3());
                 clusters.nearest(position.as_vec3())
             });
             Some(clusters.first_cut + cluster?)

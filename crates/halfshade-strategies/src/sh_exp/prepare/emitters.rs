@@ -83,13 +83,9 @@ impl<'a> IntoLight<'a> {
 
     /// For what has turned by `turn` within its object.
     pub(crate) fn rotation(&self, object: usize, turn: DQuat) -> ShRotation {
-        ShRotation::new(self.bands, &self.directions(object, turn).transpose().to_cols_array_2d())
-    }
-
-    /// The same of directions.
-    pub(crate) fn directions(&self, object: usize, turn: DQuat) -> DMat3 {
         let world_from_object = self.frame.world_from_object[object].rotation.as_dquat().normalize();
-        DMat3::from_quat(self.light_from_world * world_from_object * turn)
+        let rows = DMat3::from_quat(self.light_from_world * world_from_object * turn).transpose();
+        ShRotation::new(self.bands, &rows.to_cols_array_2d())
     }
 
     /// For what stays as it is within its object, object by object.

@@ -1,11 +1,13 @@
 //! Frame data: everything that shading reads of a frame.
 
 use super::{
-    cuts::Cuts, emitters::SamplePoints, ground::GroundView, light::FrameLight, own::OwnView, placed::LightSpace,
-    state::FrameState,
+    cuts::Cuts, emitters::SamplePoints, ground::GroundView, light::FrameLight, own::OwnView, state::FrameState,
 };
-use crate::{sh_exp::kernel::gather::RadianceVectors, shared::placed_lamps::Lamp};
-use glam::DQuat;
+use crate::{
+    sh_exp::kernel::gather::RadianceVectors,
+    shared::{light_space::LightSpace, placed_lamps::Lamp},
+};
+use glam::{DMat3, DQuat};
 use halfshade_scene::light::is_grey;
 
 /// Spheres and light of a frame.
@@ -15,6 +17,8 @@ pub(crate) struct FrameData {
     /// Lights that are handled apart, in light space.
     pub(crate) lamps: Vec<Lamp>,
     pub(crate) space: LightSpace,
+    /// A space that turns with the blockers, from light space.
+    pub(crate) blockers_from_light: DMat3,
     pub(crate) cuts: Cuts,
     /// How each sphere of every level has turned within its object since rest.
     pub(crate) turns: Vec<DQuat>,
@@ -37,6 +41,7 @@ impl FrameData {
             light,
             lamps: Vec::new(),
             space: LightSpace::default(),
+            blockers_from_light: DMat3::IDENTITY,
             cuts: Cuts::default(),
             turns: Vec::new(),
             radiance: RadianceVectors::default(),

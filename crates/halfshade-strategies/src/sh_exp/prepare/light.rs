@@ -8,7 +8,6 @@
 //! the exact irradiance. Constant light is a zonal function about the normal; a map is a sum over cells, tabulated over
 //! normals. All in the environment's own space. A window against ringing is folded in here, since (w V)·L = V·(w L).
 
-use super::placed::LightSpace;
 use crate::{
     sh_exp::kernel::{
         light::{BaseByNormal, DistantLightByNormal},
@@ -16,6 +15,7 @@ use crate::{
     },
     shared::{
         divided_light::divided,
+        light_space::LightSpace,
         placed_lamps::{Lamp, placed_lamps},
     },
 };
@@ -60,7 +60,7 @@ impl FrameLight {
         let by_normal = DistantLightByNormal { base: BaseByNormal::Constant(Vec3::ZERO), sun: None, cosine, grid };
         let mut light = Self { bands, window, most_lamps, lamps: Vec::new(), base, changes: 0, by_normal };
         light.make_base();
-        light.make_sun(environment.sun);
+        light.make_sun(light.projected_sun(environment));
         light
     }
 
@@ -71,7 +71,7 @@ impl FrameLight {
             self.changes += 1;
             self.make_base();
         }
-        let projected = environment.sun.filter(|_| self.most_lamps.is_none());
+        let projected = self.projected_sun(environment);
         if !match (&self.by_normal.sun, &projected) {
             (Some(known), Some(sun)) => known.is_of(sun),
             (known, sun) => known.is_none() && sun.is_none(),
@@ -85,7 +85,7 @@ impl FrameLight {
     pub(crate) fn placed_lamps(&self, frame: &Frame<'_>, space: &LightSpace) -> Vec<Lamp> {
         let sun = frame.scene.environment.sun.filter(|_| self.most_lamps.is_some());
         let suns = sun.into_iter().chain(self.lamps.iter().copied());
-        placed_lamps(frame, suns, |point| space.light_from_world(point).as_vec3())
+        placed_lamps(frame, suns, |point| space.point(point))
     }
 
     fn make_base(&mut self) {
@@ -94,9 +94,13 @@ impl FrameLight {
         self.by_normal.base = by_normal(&rest, self.bands, self.by_normal.grid, self.window);
     }
 
+    /// The sun, unless it is handled apart.
+    fn projected_sun(&self, environment: &Environment) -> Option<Sun> {
+        environment.sun.filter(|_| self.most_lamps.is_none())
+    }
+
     fn make_sun(&mut self, sun: Option<Sun>) {
-        let projected = sun.filter(|_| self.most_lamps.is_none());
-        self.by_normal.sun = projected.map(|sun| SunLight::new(self.bands, sun, self.window));
+        self.by_normal.sun = sun.map(|sun| SunLight::new(self.bands, sun, self.window));
     }
 }
 

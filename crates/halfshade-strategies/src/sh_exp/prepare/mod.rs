@@ -48,14 +48,14 @@ pub(crate) fn prepare(
         return Err(StrategyError::Failed("the frame is of another scene than reflections were baked for".into()));
     }
     data.cuts = Cuts::new(frame, &spheres, &tables.clusters, tables.logs(), &tables.cut);
-    data.space = spheres.space;
+    (data.space, data.blockers_from_light) = (spheres.space, spheres.blockers_from_light);
     data.lamps = data.light.placed_lamps(frame, &data.space);
     if let Some(ground) = &tables.ground {
-        data.ground.get_or_insert_default().look(ground, frame, data.space.center);
+        data.ground.get_or_insert_default().look(ground, frame, data.space.origin);
     }
     data.turns = spheres.turns;
     if tables.own.is_some() {
-        data.own = OwnView::new(tables.bands, frame, spheres.own);
+        data.own = OwnView::new(tables.bands, frame, &data.space, spheres.own);
     }
     if first_pass == FirstPass::Here
         && let Some(reflections) = &tables.reflections

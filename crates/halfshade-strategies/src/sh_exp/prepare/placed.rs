@@ -5,24 +5,13 @@ use crate::{
         bake::hierarchy::{Hierarchies, Level},
         kernel::{Blocker, OwnSpheres},
     },
-    shared::{origin::origin_of, placed_spheres},
+    shared::{light_space::LightSpace, placed_spheres},
 };
 use glam::{DMat3, DQuat, DVec3};
 use halfshade_scene::{Frame, Object, Pose, Sphere};
 use halfshade_sh::kernel::MAX_BANDS;
 use halfshade_strategy::StrategyError;
 use std::sync::Arc;
-
-/// The space of the light: turned like the environment, so that its tables hold for every turn, about an origin of the frame's.
-#[derive(Debug, Clone)]
-pub(crate) struct LightSpace {
-    /// From world space: `rotation · (point - center)`.
-    pub(crate) rotation: DMat3,
-    pub(crate) center: DVec3,
-    /// A space that turns with the blockers, that of the first object with spheres, from light space: samples in fixed
-    /// directions there don't change when light and scene are turned, however the light's turn is described.
-    pub(crate) blockers_from_light: DMat3,
-}
 
 /// All spheres of a frame.
 pub(crate) struct PlacedSpheres {
@@ -33,6 +22,9 @@ pub(crate) struct PlacedSpheres {
     /// Numbers of the spheres of every object of the scene, of all levels.
     pub(crate) own: Vec<OwnSpheres>,
     pub(crate) space: LightSpace,
+    /// A space that turns with the blockers, that of the first object with spheres, from light space: samples in fixed
+    /// directions there don't change when light and scene are turned, however the light's turn is described.
+    pub(crate) blockers_from_light: DMat3,
 }
 
 /// The spheres of one object in light space, level by level.
@@ -41,12 +33,6 @@ pub(crate) struct PlacedObject {
     pub(crate) spheres: Vec<Vec<(DVec3, f64)>>,
     /// Number of the first sphere of each level among all emitters.
     pub(crate) first: Vec<u32>,
-}
-
-impl Default for LightSpace {
-    fn default() -> Self {
-        Self { rotation: DMat3::IDENTITY, center: DVec3::ZERO, blockers_from_light: DMat3::IDENTITY }
-    }
 }
 
 impl PlacedSpheres {
@@ -78,26 +64,14 @@ impl PlacedSpheres {
             objects.push(PlacedObject { first: firsts, levels, spheres });
         }
         let leaves = objects.iter().flat_map(|object| &object.spheres[0]);
-        let space = LightSpace::new(frame, origin_of(leaves.map(|(center, _)| *center)));
+        let space = LightSpace::new(frame, leaves.map(|(center, _)| *center));
+        let blocks = |(object, pose): (&Object, &Pose)| (object.sphere_count > 0).then_some(*pose);
+        let first = frame.scene.objects.iter().zip(&frame.world_from_object).find_map(blocks);
+        let blockers_from_light = space.object_from_light(&first.unwrap_or(Pose::IDENTITY));
         for (place, _) in objects.iter_mut().flat_map(|object| &mut object.spheres).flatten() {
-            *place = space.light_from_world(*place);
+            *place = space.place(*place);
         }
-        Ok(Self { objects, turns, own, space })
-    }
-}
-
-impl LightSpace {
-    fn new(frame: &Frame<'_>, center: DVec3) -> Self {
-        let rotation = DMat3::from_quat(frame.world_from_environment.as_dquat().normalize().conjugate());
-        let blocks = |(object, pose): (&Object, &Pose)| (object.sphere_count > 0).then_some(pose.rotation);
-        let first = frame.scene.objects.iter().zip(&frame.world_from_object).find_map(blocks).unwrap_or_default();
-        let blockers_from_light = DMat3::from_quat(first.as_dquat().normalize().conjugate()) * rotation.transpose();
-        Self { rotation, center, blockers_from_light }
-    }
-
-    /// A point of world space.
-    pub(crate) fn light_from_world(&self, point: DVec3) -> DVec3 {
-        self.rotation * (point - self.center)
+        Ok(Self { objects, turns, own, space, blockers_from_light })
     }
 }
 

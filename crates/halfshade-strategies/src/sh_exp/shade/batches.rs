@@ -55,9 +55,7 @@ impl<'a, const N: usize> Batches<'a, N> {
             data,
             finder: match &tables.visibility {
                 Visibility::Product => Finder::Product,
-                Visibility::Shares { points } => {
-                    Finder::Shares(Exposure::new(*points, most, data.space.blockers_from_light))
-                }
+                Visibility::Shares { points } => Finder::Shares(Exposure::new(*points, most, data.blockers_from_light)),
                 Visibility::Traced { directions } => Finder::Traced(Traced::new(directions, most)),
                 Visibility::Exponential(exponential) => Finder::Exponential(exponential),
             },
@@ -92,7 +90,7 @@ impl<'a, const N: usize> Batches<'a, N> {
             };
             let position = self.turn(std::array::from_fn(|axis| {
                 // In double precision, because a scene may lie far from the origin.
-                f32x8::from(load(receivers.position[axis]).map(|x| (f64::from(x) - data.space.center[axis]) as f32))
+                f32x8::from(load(receivers.position[axis]).map(|x| (f64::from(x) - data.space.origin[axis]) as f32))
             }));
             let normal = self.turn(receivers.normal.map(|axis| f32x8::from(load(axis))));
             let surface = |k: usize| receivers.surface[start + k.min(lanes - 1)];
