@@ -27,28 +27,28 @@ use std::{
 /// Settings of `sh-exp` that are held to the contract.
 const SH_EXP: [&str; 8] = [
     "",
-    "own=spheres,sun=projected,ground=ignored",
+    "own=spheres,sun=projected,ground=ignored,normals=16,own-directions=16",
     "as-published",
-    "bounces=0,exp=hybrid",
-    "bounces=0,exp=shares,points=5",
+    "bounces=0,exp=hybrid,normals=16,own-directions=16",
+    "bounces=0,exp=shares,points=5,normals=16,own-directions=16",
     "bounces=0,exp=hybrid,bands=6,normals=16,own-directions=16",
-    "bounces=0,exp=hybrid,clamp=on,rule=published,window=hann,squaring=published",
-    "bounces=0,levels=tree,rule=covering",
+    "bounces=0,exp=hybrid,clamp=on,rule=published,window=hann,squaring=published,normals=16,own-directions=16",
+    "bounces=0,levels=tree,rule=covering,normals=16,own-directions=16",
 ];
 
 /// Settings of `sh-exp` that are only compared with the CPU, which is held to the contract.
 const SH_EXP_BESIDE: [&str; 11] = [
-    "bounces=0,exp=product",
-    "bounces=0,exp=quadratic,bands=3",
-    "bounces=0,exp=series",
-    "bounces=0,exp=optimal-linear,bands=2",
-    "bounces=0,exp=product,overlap=shared",
-    "intersections=precomputed,order=power,clamp=on",
-    "walk=quadratic,reflection-exp=series,bands=3",
-    "exp=product,reflection-exp=optimal-linear,levels=cluster",
-    "ground=ignored",
-    "bounces=0,clamp=on",
-    "bounces=0,own=spheres,ground=ignored,bands=6",
+    "bounces=0,exp=product,normals=16,own-directions=16",
+    "bounces=0,exp=quadratic,bands=3,normals=16,own-directions=16",
+    "bounces=0,exp=series,normals=16,own-directions=16",
+    "bounces=0,exp=optimal-linear,bands=2,normals=16,own-directions=16",
+    "bounces=0,exp=product,overlap=shared,normals=16,own-directions=16",
+    "intersections=precomputed,order=power,clamp=on,normals=16,own-directions=16",
+    "walk=quadratic,reflection-exp=series,bands=3,normals=16,own-directions=16",
+    "exp=product,reflection-exp=optimal-linear,levels=cluster,normals=16,own-directions=16",
+    "ground=ignored,normals=16,own-directions=16",
+    "bounces=0,clamp=on,normals=16,own-directions=16",
+    "bounces=0,own=spheres,ground=ignored,bands=6,normals=16,own-directions=16",
 ];
 
 /// Settings of `ray-traced` that are compared with the CPU: by light and by cosine alone, and more samples than one dispatch

@@ -10,7 +10,7 @@ use super::{
     BakedScene,
     bake::{Visibility, own::OwnTables, reflections::ReflectionTables},
     prepare::{self, cuts::CutOf, emitters, frame::FrameData},
-    settings::{Intersections, Order, Walk},
+    settings::{Intersections, Order, Ratios, Walk},
 };
 pub use super::{kernel::ground::GroundField, prepare::FirstPass};
 pub use crate::shared::placed_lamps::{Lamp, LampPlace};
@@ -223,7 +223,7 @@ impl BakedScene {
 
     /// Where the first pass may run: scaled reflections and objects without spheres need its results on the processor.
     pub fn first_pass(&self) -> FirstPass {
-        let is_needed_here = self.tables.cut.reflection_ratios || self.tables.ground.is_some();
+        let is_needed_here = self.tables.cut.ratios == Ratios::On || self.tables.ground.is_some();
         if is_needed_here { FirstPass::Here } else { FirstPass::Elsewhere }
     }
 

@@ -99,8 +99,10 @@ choice! {
 choice! {
     /// Whether coarse spheres are scaled to what finer ones give at the centre of a receiver cluster.
     pub(crate) enum Ratios {
-        /// in shadows alone [Guerrero2007, eq. 4.9]
+        /// in shadows alone, to the next finer ones [Guerrero2007, eq. 4.9]
         Shadows = "shadows",
+        /// in shadows alone, to the leaves
+        Leaves = "leaves",
         /// also what they reflect, by eq. 4.34 upside down: as printed it leads away from the finer ones
         On = "on",
         /// not at all
@@ -232,7 +234,7 @@ settings! {
         /// largest angular radius, in degrees, of a sphere that stands for finer ones
         "cut-angle" => cut_angle: f64 = 15.0, in 0.0..=90.0;
         /// coarse spheres are scaled to what finer ones give at the cluster's centre
-        "ratios" => ratios: Ratios = Ratios::Shadows;
+        "ratios" => ratios: Ratios = Ratios::Leaves;
         /// most diffuse bounces, if the scene asks for more; 0: shadows alone
         "bounces" => bounces: usize = MAX_BOUNCES, in 0..=MAX_BOUNCES;
         /// reflections: the exponential of the summed logarithms

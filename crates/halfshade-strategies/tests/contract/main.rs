@@ -61,13 +61,13 @@ contract_tests!(
 /// Ringing of four bands under a sun: a blocker beside the sun may brighten its ray.
 const RINGING: Bounds = Bounds { constant: 1e-5, quadrature: 0.01, gloss: 0.01, rotation: 0.005, brightening: 0.2 };
 
-contract_tests!(sh_exp_hybrid, ShExp, "bounces=0,exp=hybrid", RINGING);
+contract_tests!(sh_exp_hybrid, ShExp, "bounces=0,exp=hybrid,normals=16,own-directions=16", RINGING);
 contract_tests!(sh_exp_product, ShExp, "bounces=0,exp=product,normals=16,own-directions=16", RINGING);
 contract_tests!(sh_exp_series, ShExp, "bounces=0,exp=series,normals=16,own-directions=16", RINGING);
 contract_tests!(
     sh_exp_bare_series,
     ShExp,
-    "bounces=0,exp=series,scaling=off,normals=16",
+    "bounces=0,exp=series,scaling=off,normals=16,own-directions=16",
     Bounds { brightening: 2.0, ..RINGING }
 );
 contract_tests!(sh_exp_quadratic, ShExp, "bounces=0,exp=quadratic,normals=16,own-directions=16", RINGING);

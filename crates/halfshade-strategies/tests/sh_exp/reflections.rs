@@ -169,8 +169,8 @@ fn linear_and_quadratic_walks_agree() {
     let frame = scene.frame(7);
     let receivers = ReceiverBuffer::vertices(&frame);
     for settings in ["", "intersections=precomputed", "order=power", "reflection-exp=hybrid", "bands=3", "bands=6"] {
-        let linear = shade(scene, &frame, &receivers, &format!("walk=linear,{settings}"));
-        let quadratic = shade(scene, &frame, &receivers, &format!("walk=quadratic,{settings}"));
+        let linear = shade(scene, &frame, &receivers, &format!("own=spheres,walk=linear,{settings}"));
+        let quadratic = shade(scene, &frame, &receivers, &format!("own=spheres,walk=quadratic,{settings}"));
         let difference = largest_difference(&linear, &quadratic);
         assert!(difference < 1e-4, "{settings}: {difference}");
     }
@@ -234,22 +234,27 @@ fn border_step(fine: &RadianceBuffer, coarse: &RadianceBuffer) -> f32 {
     steps.fold(0.0, f32::max)
 }
 
-/// A threshold of 0 leaves the leaves; coarser levels step at the borders of clusters, and ratios take most of it away.
+/// A threshold of 0 leaves the leaves; coarser levels step at the borders of clusters, and ratios take most of it away, more
+/// of it towards the leaves than towards the next finer level.
 #[test]
 fn ratios_hide_the_borders_of_clusters() {
     let scene = &*VASES;
     let frame = scene.frame(0);
     let vertices = ReceiverBuffer::vertices(&frame);
-    let leaves = shade(scene, &frame, &vertices, "");
-    assert_eq!(leaves, shade(scene, &frame, &vertices, "levels=cluster,cut-angle=0"));
+    let leaves = shade(scene, &frame, &vertices, "own=spheres");
+    assert_eq!(leaves, shade(scene, &frame, &vertices, "own=spheres,levels=cluster,cut-angle=0"));
     let receivers = rows();
     for (levels, bounces) in [("cluster", 0), ("cluster", 1), ("tree", 0)] {
-        let of = |settings: &str| shade(scene, &frame, &receivers, &format!("bounces={bounces},{settings}"));
+        let of =
+            |settings: &str| shade(scene, &frame, &receivers, &format!("own=spheres,bounces={bounces},{settings}"));
         let fine = of("");
         let step =
             |ratios| border_step(&fine, &of(&format!("levels={levels},cut-angle=25,branching=2,ratios={ratios}")));
-        let (with, without) = (step("shadows"), step("off"));
+        let [with, to_leaves, without] = ["shadows", "leaves", "off"].map(step);
         assert!(without > 1e-4 && with < 0.5 * without, "{levels}, {bounces} bounces: {with}, {without}");
+        // A cluster's cut is one level above the leaves here, a tree's has levels between.
+        let most = if levels == "tree" { 0.5 } else { 1.001 };
+        assert!(to_leaves <= most * with, "{levels}, {bounces} bounces: {to_leaves}, {with}");
     }
 }
 
@@ -263,7 +268,7 @@ fn ratios_of_reflections_were_decided_by_experiment() {
     let vertices = ReceiverBuffer::vertices(&frame);
     let reflected = |settings: &str| -> Vec<Vec3> {
         let [all, shadows] =
-            ["", "bounces=0,"].map(|bounces| shade(scene, &frame, &vertices, &format!("{bounces}{settings}")));
+            ["", "bounces=0,"].map(|it| shade(scene, &frame, &vertices, &format!("own=spheres,{it}{settings}")));
         (0..all.len()).map(|i| all.at(i) - shadows.at(i)).collect()
     };
     let fine = reflected("");
@@ -359,8 +364,10 @@ fn at_vertices(scene: &Scene, settings: &str) -> RadianceBuffer {
 
 /// White balls that overlap, sink into the ground and hang above it, on white ground.
 fn sunken() -> Scene {
-    let places = [[0.0, 0.3, 0.0], [0.4, -0.2, 0.3], [0.3, 0.9, -0.5], [-2.0, 0.1, 0.4], [0.0, 0.3, 0.1]];
-    let mut objects: Vec<Object> = places.iter().map(|&place| ball(Vec3::from(place), 0.7, Vec3::ONE)).collect();
+    let places: [[f32; 3]; 5] =
+        [[0.0, 0.3, 0.0], [0.4, -0.2, 0.3], [0.3, 0.9, -0.5], [-2.0, 0.1, 0.4], [0.0, 0.3, 0.1]];
+    let coarse = |place| Object { mesh: Arc::new(shapes::sphere(10)), ..ball(Vec3::from(place), 0.7, Vec3::ONE) };
+    let mut objects: Vec<Object> = places.map(coarse).into();
     objects.push(Object {
         mesh: Arc::new(shapes::plane(8)),
         sphere_count: 0,
@@ -432,6 +439,7 @@ fn turning_poses_and_sun_changes_no_more_than_rounding() {
         for settings in
             ["exp=hybrid", "exp=product", "exp=quadratic", "exp=shares", "exp=shares,points=3,bands=6", "ground=seen"]
         {
+            let settings = &format!("{settings},own-directions=16");
             let before = at_vertices(&straight, settings);
             for (i, axis) in axes.into_iter().enumerate() {
                 let turn = Quat::from_axis_angle(axis, 0.7 + 1.3 * i as f32);

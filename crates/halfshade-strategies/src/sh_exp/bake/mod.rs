@@ -48,10 +48,8 @@ pub(crate) struct CutSettings {
     pub(crate) levels: Levels,
     /// Sine of the largest angular radius of a sphere that isn't a leaf.
     pub(crate) threshold_sine: f64,
-    /// Whether parents are scaled to their children.
-    pub(crate) ratios: bool,
-    /// Whether the light that they reflect is scaled too.
-    pub(crate) reflection_ratios: bool,
+    /// What parents are scaled to.
+    pub(crate) ratios: Ratios,
     pub(crate) bands: usize,
 }
 
@@ -136,8 +134,7 @@ impl Tables {
             cut: CutSettings {
                 levels: settings.levels,
                 threshold_sine: settings.cut_angle.to_radians().sin(),
-                ratios: settings.ratios != Ratios::Off,
-                reflection_ratios: settings.ratios == Ratios::On,
+                ratios: settings.ratios,
                 bands,
             },
             reflections,

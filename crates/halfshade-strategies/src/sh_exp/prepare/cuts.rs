@@ -15,6 +15,8 @@
 //! W_l = Σ_m F_b,lm F_d,lm / Σ_m F_b,lm²        (eq. 4.9)        F_b of the parent, F_d the sum over its children
 //! ```
 //!
+//! or, with [`Ratios::Leaves`], over its leaves: a ratio to the next finer level leaves what lies below that out.
+//!
 //! Reflected light has a ratio of its own, see [`Cuts::set_reflection_ratios`].
 //!
 //! A receiver belongs to the cluster of the vertex next to it.
@@ -24,7 +26,7 @@ use crate::{
     sh_exp::{
         bake::{CutSettings, clusters::ObjectClusters},
         kernel::Blocker,
-        settings::Levels,
+        settings::{Levels, Ratios},
     },
     shared::light_space::LightSpace,
 };
@@ -45,7 +47,7 @@ pub(crate) struct Cuts {
     clusters: Vec<PlacedClusters>,
     /// Cuts of the receivers around each sphere of every level, in the order of the emitters.
     of_emitters: Vec<u32>,
-    /// Clusters whose cut has parents in it, if ratios are wanted.
+    /// Clusters whose cut has parents in it, if what these reflect is scaled.
     coarse: Vec<CoarseCut>,
 }
 
@@ -103,7 +105,7 @@ impl Cuts {
             return cuts;
         }
         let cut = |center: DVec3, radius: f64| -> Vec<(usize, Blocker)> {
-            let view = View { center, radius, logs: logs.filter(|_| settings.ratios), settings };
+            let view = View { center, radius, logs: logs.filter(|_| settings.ratios != Ratios::Off), settings };
             let of_object =
                 |(number, object): (usize, &PlacedObject)| view.cut(object).into_iter().map(move |b| (number, b));
             objects.iter().enumerate().flat_map(of_object).collect()
@@ -118,7 +120,7 @@ impl Cuts {
                 let cut = cut(place, radius);
                 centers.push(place.as_vec3());
                 let number = cuts.cuts.len();
-                if settings.ratios {
+                if settings.ratios == Ratios::On {
                     cuts.coarse.extend(CoarseCut::new(number, &cut, objects, place, normal));
                 }
                 cuts.cuts.push(blockers(&cut));
@@ -298,15 +300,19 @@ impl View<'_> {
         }
     }
 
-    /// A sphere, scaled to what its children give at the cluster's centre.
+    /// A sphere, scaled to what its children or its leaves give at the cluster's centre.
     fn scaled(&self, object: &PlacedObject, level: usize, i: usize) -> Blocker {
         let mut blocker = object.blocker(level, i);
         let is_leaf = object.levels[level].children[i].is_empty();
         if let Some(logs) = self.logs.filter(|_| !is_leaf) {
-            let children = object.children_of(&blocker);
+            let finer = if self.settings.ratios == Ratios::Leaves {
+                object.leaves_of(level, i)
+            } else {
+                object.children_of(&blocker)
+            };
             let place = self.center.as_vec3().to_array();
             let ratio =
-                halfshade_sh::dispatch_bands!(self.settings.bands, N => ratio::<N>(logs, &blocker, &children, place));
+                halfshade_sh::dispatch_bands!(self.settings.bands, N => ratio::<N>(logs, &blocker, &finer, place));
             let ratio = ratio.unwrap_or([1.0; MAX_BANDS]);
             blocker.factors.iter_mut().zip(ratio).for_each(|(factor, ratio)| *factor *= ratio);
         }
@@ -318,13 +324,13 @@ impl View<'_> {
 fn ratio<const N: usize>(
     logs: &BlockerTable,
     parent: &Blocker,
-    children: &[Blocker],
+    finer: &[Blocker],
     place: [f32; 3],
 ) -> [f32; MAX_BANDS] {
     let mut bounding = [f32x8::ZERO; N];
     add_log(logs, parent, place, &mut bounding);
     let mut detailed = [f32x8::ZERO; N];
-    children.iter().for_each(|child| add_log(logs, child, place, &mut detailed));
+    finer.iter().for_each(|sphere| add_log(logs, sphere, place, &mut detailed));
     std::array::from_fn(|l| {
         let band = |a: &[f32x8; N], b: &[f32x8; N]| -> f32 {
             (l * l..((l + 1) * (l + 1)).min(N)).map(|i| a[i].as_array()[0] * b[i].as_array()[0]).sum()
@@ -382,7 +388,7 @@ mod tests {
             scene.objects[1].cluster_count = count;
             let mut hierarchies = Hierarchies::new(&scene, Overlap::Independent, Some(4));
             let threshold_sine = 15f64.to_radians().sin();
-            let settings = CutSettings { levels, threshold_sine, ratios: false, reflection_ratios: false, bands: 4 };
+            let settings = CutSettings { levels, threshold_sine, ratios: Ratios::Off, bands: 4 };
             let frame = scene.frame(0);
             let spheres = PlacedSpheres::new(&frame, &mut hierarchies).unwrap();
             let cuts = Cuts::new(&frame, &spheres, &clusters::clusters(&scene), None, &settings);

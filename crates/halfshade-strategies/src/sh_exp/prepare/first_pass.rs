@@ -6,6 +6,7 @@ use crate::sh_exp::{
     bake::{Tables, reflections::ReflectionTables},
     kernel::{Blockers, OwnSpheres, Receivers8, gather::Gather},
     prepare::cuts::{CutOf, Cuts},
+    settings::Ratios,
     shade::{Shader, batches::radiating},
 };
 use halfshade_scene::{Frame, RadianceBuffer, RadianceMut, Receivers};
@@ -35,7 +36,7 @@ pub(crate) fn run(tables: &Tables, reflections: &ReflectionTables, data: &mut Fr
         }
         emitters::radiate(reflections, frame, channels, &light, &data.turns, &mut data.radiance);
     }
-    if tables.cut.reflection_ratios && data.cuts.is_coarse() && !data.radiance.is_dark() {
+    if tables.cut.ratios == Ratios::On && data.cuts.is_coarse() && !data.radiance.is_dark() {
         let mut cuts = std::mem::take(&mut data.cuts);
         // `bake` made sure that there is a kernel for this number of bands.
         let _: Option<()> =

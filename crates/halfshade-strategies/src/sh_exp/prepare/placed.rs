@@ -101,6 +101,18 @@ impl PlacedObject {
         }
         children.iter().map(|&child| self.blocker(level - 1, child as usize)).collect()
     }
+
+    /// The leaves below a sphere, as they are; itself if it is one.
+    pub(crate) fn leaves_of(&self, level: usize, i: usize) -> Vec<Blocker> {
+        let (mut open, mut leaves) = (vec![(level, i)], Vec::new());
+        while let Some((level, i)) = open.pop() {
+            match self.levels[level].children[i].as_slice() {
+                [] => leaves.push(self.blocker(level, i)),
+                children => open.extend(children.iter().map(|&child| (level - 1, child as usize))),
+            }
+        }
+        leaves
+    }
 }
 
 /// A sphere of an object in world space: centre and radius.
