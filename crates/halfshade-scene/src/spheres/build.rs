@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 /// Raise whenever the same mesh and options would give another set.
-const VERSION: u32 = 6;
+const VERSION: u32 = 7;
 /// Surface points to which spheres are fitted, at most.
 const SURFACE_POINTS: usize = 6_000;
 /// Rounds of tightening, each with the points that the one before left uncovered.
@@ -41,7 +41,7 @@ pub struct BuildOptions {
     pub fit: SphereFit,
     /// Seed of every random choice: the same seed gives the same bits on one thread or many.
     pub seed: u64,
-    /// Independent starts, of which the best is kept; at least 1.
+    /// Independent starts, of which the best is kept; at least 1. Of a fit to shadows fewer above 64 spheres, in proportion.
     pub restarts: usize,
     /// Attempts per start to leave a local minimum by teleporting a sphere; above 64 spheres in
     /// proportion fewer, as of `jumps`.
@@ -59,7 +59,7 @@ impl Default for BuildOptions {
 }
 
 impl SphereSet {
-    /// Fits `count` spheres that bound `mesh` with little volume outside of it, or, from there, hide what it hides.
+    /// Fits `count` spheres that bound `mesh` with little volume outside of it, or hide what it hides.
     ///
     /// Fewer spheres result only where the mesh is too simple to need them. A mesh that isn't closed is filled where the
     /// lines of three directions agree that it has an inside; one that encloses nothing is covered as a shell. Both
@@ -75,18 +75,20 @@ impl SphereSet {
         progress: &dyn Progress,
     ) -> Result<Self, SceneError> {
         let build = Build::new(mesh, count, options, progress)?;
-        let (published, polished) = build.fitted();
-        let mut sets = build.bounded(published, polished);
+        let mut sets = match options.fit {
+            SphereFit::Bounding => {
+                let (published, polished) = build.fitted();
+                build.bounded(published, polished)
+            }
+            SphereFit::Shadow => {
+                let starts = build.affordable(options.restarts).max(1);
+                vec![build.mesh.placed(&shadow::fit(&build.mesh, count, starts, options.seed, progress))]
+            }
+        };
         build.measure(&mut sets);
         // The polish sees lines of one direction and samples: where it is wrong by that, the published set stays.
         let less = |a: &SphereSet, b: &SphereSet| a.outside_volume_fraction.total_cmp(&b.outside_volume_fraction);
-        let mut set = sets.into_iter().min_by(less).unwrap_or_default();
-        if options.fit == SphereFit::Shadow {
-            let bounding = build.mesh.normalized(&set.spheres);
-            let mut fitted = [build.mesh.placed(&shadow::fit(&build.mesh, &bounding, options.seed, progress))];
-            build.measure(&mut fitted);
-            [set] = fitted;
-        }
+        let set = sets.into_iter().min_by(less).unwrap_or_default();
         Ok(Self { notes: build.notes, fit: options.fit, ..set })
     }
 
@@ -184,14 +186,17 @@ impl<'a> Build<'a> {
         Ok(Self { mesh, count, options, progress, solid, measured, is_shell, notes })
     }
 
+    /// The work of one attempt grows with the count, and with many spheres one more or less matters little.
+    fn affordable(&self, attempts: usize) -> usize {
+        if self.count > 64 { attempts * 64 / self.count } else { attempts }
+    }
+
     /// The best spheres of all starts: as published, and polished.
     fn fitted(&self) -> (Vec<DSphere>, Vec<DSphere>) {
         let area = self.mesh.corners.iter().map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length()).sum();
         let restarts = self.options.restarts.max(1);
         let fine = self.fine_points();
-        // The work of one attempt grows with the count, and with many spheres one more or less matters little.
-        let affordable = |attempts: usize| if self.count > 64 { attempts * 64 / self.count } else { attempts };
-        let (teleports, jumps) = (affordable(self.options.teleports), affordable(self.options.jumps));
+        let (teleports, jumps) = (self.affordable(self.options.teleports), self.affordable(self.options.jumps));
         let steps = 1 + teleports + if self.options.polish { 1 + jumps } else { 0 };
         self.progress.start("fitting spheres", (restarts * steps) as u64);
         let fitted: Vec<[Candidate; 2]> = (0..restarts as u64)

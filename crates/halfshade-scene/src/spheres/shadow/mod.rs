@@ -5,11 +5,12 @@
 //! squares over the irradiance under constant light, and under lights of 30 degrees one by one ([`coverage`]). Spheres may
 //! stick out, and may leave parts bare.
 //!
-//! The search is Levenberg and Marquardt's \[Marquardt1963\] ([`damped_step`]) from a set that bounds, its radii reduced. It ends in a local
-//! minimum: where a sphere is missing altogether it brings none.
+//! Spheres are placed one after another where they help most ([`growth`]), several times over. The best of these starts is
+//! refined by Levenberg and Marquardt's method \[Marquardt1963\] ([`damped_step`]).
 
 mod coverage;
 mod damped_step;
+mod growth;
 mod receivers;
 mod rows;
 
@@ -18,12 +19,13 @@ use super::normalized::NormalizedMesh;
 use crate::Progress;
 use damped_step::damped_step;
 use glam::DVec3;
+use growth::Growth;
+use rand::SeedableRng;
+use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 use receivers::Receiver;
 use rows::Rows;
 
-/// Factor of the radii of a bounding set with which the fit begins: those of a bunny hide right on average by about as much.
-const SHRINK: f64 = 0.88;
 /// Steps at most.
 const STEPS: usize = 24;
 /// A step that lowers the sum of squares by less, as a fraction of it, is the last.
@@ -33,31 +35,57 @@ const DAMPING: [f64; 3] = [0.1, 1e-3, 1e3];
 /// How far a sphere may move and grow in a step, in radii.
 const LARGEST_MOVE: f64 = 0.3;
 
-/// The fit to `mesh` that begins at a set of spheres that bound it. The same seed gives the same bits on one thread or
-/// many.
-pub(super) fn fit(mesh: &NormalizedMesh, bounding: &[DSphere], seed: u64, progress: &dyn Progress) -> Vec<DSphere> {
-    progress.start("fitting shadows", 1 + STEPS as u64);
+/// `count` spheres for `mesh`, the best of `starts`. The same seed gives the same bits on one thread or many.
+pub(super) fn fit(
+    mesh: &NormalizedMesh,
+    count: usize,
+    starts: usize,
+    seed: u64,
+    progress: &dyn Progress,
+) -> Vec<DSphere> {
+    progress.start("fitting shadows", (1 + starts + STEPS) as u64);
     let receivers = receivers::receivers(mesh, seed);
     progress.advance(1);
-    let mut spheres: Vec<DSphere> = bounding.iter().map(|s| DSphere { radius: SHRINK * s.radius, ..*s }).collect();
-    let mut rows = all_errors(&receivers, &spheres);
-    let [mut damping, least, largest] = DAMPING;
-    for _ in 0..STEPS {
-        let moved = moved(&spheres, &damped_step(&rows, spheres.len(), damping));
-        let next = all_errors(&receivers, &moved);
-        let (before, after) = (rows.cost(), next.cost());
+    let growth = Growth::new(mesh, &receivers);
+    let start = |start: usize| {
+        let mut rng = Pcg64Mcg::seed_from_u64(seed.wrapping_mul(0x9e37_79b9).wrapping_add(start as u64));
+        let grown = growth.spheres(count, &mut rng);
         progress.advance(1);
+        grown
+    };
+    let best = (0..starts).map(start).min_by(|a, b| a.0.total_cmp(&b.0));
+    let mut spheres = best.map(|(_, spheres)| spheres).unwrap_or_default();
+    refit(&receivers, &mut spheres, STEPS, WORTHWHILE, &mut || progress.advance(1));
+    spheres
+}
+
+/// Moves spheres to a local minimum of the sum of squares, or `steps` towards it, and ends before where a step lowers it by
+/// less than the `worthwhile` part. Returns the sum.
+fn refit(
+    receivers: &[Receiver],
+    spheres: &mut Vec<DSphere>,
+    steps: usize,
+    worthwhile: f64,
+    after_step: &mut dyn FnMut(),
+) -> f64 {
+    let mut rows = all_errors(receivers, spheres);
+    let [mut damping, least, largest] = DAMPING;
+    for _ in 0..steps {
+        let moved = moved(spheres, &damped_step(&rows, spheres.len(), damping));
+        let next = all_errors(receivers, &moved);
+        let (before, after) = (rows.cost(), next.cost());
+        after_step();
         if after < before {
-            (rows, spheres) = (next, moved);
+            (rows, *spheres) = (next, moved);
             damping = (0.4 * damping).max(least);
         } else {
             damping *= 4.0;
         }
-        if damping > largest || (after < before && after > before * (1.0 - WORTHWHILE)) {
+        if damping > largest || (after < before && after > before * (1.0 - worthwhile)) {
             break;
         }
     }
-    spheres
+    rows.cost()
 }
 
 /// The errors of all receivers, in their order.
