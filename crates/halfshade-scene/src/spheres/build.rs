@@ -41,7 +41,8 @@ pub struct BuildOptions {
     pub fit: SphereFit,
     /// Seed of every random choice: the same seed gives the same bits on one thread or many.
     pub seed: u64,
-    /// Independent starts, of which the best is kept; at least 1. Of a fit to shadows fewer above 64 spheres, in proportion.
+    /// Independent starts, of which the best is kept; at least 1. Fits to shadows need half as many, and
+    /// relocate spheres instead.
     pub restarts: usize,
     /// Attempts per start to leave a local minimum by teleporting a sphere; above 64 spheres in
     /// proportion fewer, as of `jumps`.
@@ -59,7 +60,7 @@ impl Default for BuildOptions {
 }
 
 impl SphereSet {
-    /// Fits `count` spheres that bound `mesh` with little volume outside of it, or hide what it hides.
+    /// Fits `count` spheres that bound `mesh` with little volume outside of it, or, from there, hide what it hides.
     ///
     /// Fewer spheres result only where the mesh is too simple to need them. A mesh that isn't closed is filled where the
     /// lines of three directions agree that it has an inside; one that encloses nothing is covered as a shell. Both
@@ -74,21 +75,22 @@ impl SphereSet {
         options: &BuildOptions,
         progress: &dyn Progress,
     ) -> Result<Self, SceneError> {
-        let build = Build::new(mesh, count, options, progress)?;
-        let mut sets = match options.fit {
-            SphereFit::Bounding => {
-                let (published, polished) = build.fitted();
-                build.bounded(published, polished)
-            }
-            SphereFit::Shadow => {
-                let starts = build.affordable(options.restarts).max(1);
-                vec![build.mesh.placed(&shadow::fit(&build.mesh, count, starts, options.seed, progress))]
-            }
-        };
+        let half = BuildOptions { restarts: options.restarts.div_ceil(2), ..*options };
+        let is_start = options.fit == SphereFit::Shadow;
+        // Fits to shadows find their own way out of local minima, so that they need fewer starts.
+        let build = Build::new(mesh, count, if is_start { &half } else { options }, progress)?;
+        let (published, polished) = build.fitted();
+        let mut sets = build.bounded(published, polished);
         build.measure(&mut sets);
         // The polish sees lines of one direction and samples: where it is wrong by that, the published set stays.
         let less = |a: &SphereSet, b: &SphereSet| a.outside_volume_fraction.total_cmp(&b.outside_volume_fraction);
-        let set = sets.into_iter().min_by(less).unwrap_or_default();
+        let mut set = sets.into_iter().min_by(less).unwrap_or_default();
+        if is_start {
+            let bounding = build.mesh.normalized(&set.spheres);
+            let mut fitted = [build.mesh.placed(&shadow::fit(&build.mesh, &bounding, options.seed, progress))];
+            build.measure(&mut fitted);
+            [set] = fitted;
+        }
         Ok(Self { notes: build.notes, fit: options.fit, ..set })
     }
 
@@ -186,17 +188,14 @@ impl<'a> Build<'a> {
         Ok(Self { mesh, count, options, progress, solid, measured, is_shell, notes })
     }
 
-    /// The work of one attempt grows with the count, and with many spheres one more or less matters little.
-    fn affordable(&self, attempts: usize) -> usize {
-        if self.count > 64 { attempts * 64 / self.count } else { attempts }
-    }
-
     /// The best spheres of all starts: as published, and polished.
     fn fitted(&self) -> (Vec<DSphere>, Vec<DSphere>) {
         let area = self.mesh.corners.iter().map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length()).sum();
         let restarts = self.options.restarts.max(1);
         let fine = self.fine_points();
-        let (teleports, jumps) = (self.affordable(self.options.teleports), self.affordable(self.options.jumps));
+        // The work of one attempt grows with the count, and with many spheres one more or less matters little.
+        let affordable = |attempts: usize| if self.count > 64 { attempts * 64 / self.count } else { attempts };
+        let (teleports, jumps) = (affordable(self.options.teleports), affordable(self.options.jumps));
         let steps = 1 + teleports + if self.options.polish { 1 + jumps } else { 0 };
         self.progress.start("fitting spheres", (restarts * steps) as u64);
         let fitted: Vec<[Candidate; 2]> = (0..restarts as u64)

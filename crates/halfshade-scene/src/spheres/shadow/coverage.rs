@@ -39,74 +39,20 @@ struct Seen {
     deepest: Vec<u32>,
 }
 
-/// Spheres as one receiver sees them, and its errors: what sums of squares change by if one more sphere joins.
-pub(super) struct State<'a> {
-    receiver: &'a Receiver,
-    depth: Vec<f32>,
-    by_cell: Vec<f64>,
-}
-
-impl<'a> State<'a> {
-    pub(super) fn new(receiver: &'a Receiver, spheres: &[DSphere]) -> Self {
-        let mut seen = Seen::new(receiver, spheres);
-        let by_cell = seen.errors_by_cell(receiver);
-        Self { receiver, depth: seen.depth, by_cell }
-    }
-
-    /// Change of the sum of squares by each of some spheres, if it alone joined.
-    pub(super) fn changes(&self, candidates: &[DSphere]) -> Vec<f64> {
-        let mut depth = vec![0.0; self.depth.len()];
-        let mut more = vec![0.0; self.by_cell.len()];
-        let mut change = |candidate: &DSphere| {
-            let Some(cap) = adjusted(candidate, self.receiver) else { return 0.0 };
-            depths(&cap, self.receiver, &mut depth);
-            more.fill(0.0);
-            self.add_hidden(&depth, &mut more);
-            self.cost_with(&more) - self.cost_with(&[])
-        };
-        candidates.iter().map(&mut change).collect()
-    }
-
-    /// Lets a sphere join.
-    pub(super) fn join(&mut self, sphere: &DSphere) {
-        let Some(cap) = adjusted(sphere, self.receiver) else { return };
-        let mut depth = vec![0.0; self.depth.len()];
-        depths(&cap, self.receiver, &mut depth);
-        let mut more = vec![0.0; self.by_cell.len()];
-        self.add_hidden(&depth, &mut more);
-        self.by_cell.iter_mut().zip(more).for_each(|(error, more)| *error += more);
-        self.depth.iter_mut().zip(depth).for_each(|(deepest, depth)| *deepest = deepest.max(depth));
-    }
-
-    /// Adds what a cap hides of each cell that no other does.
-    fn add_hidden(&self, depth: &[f32], more: &mut [f64]) {
-        for (k, (&q, &before)) in depth.iter().zip(&self.depth).enumerate() {
-            if q > before && f64::from(q) > -RAMP {
-                let share = f64::from(self.receiver.share[k]);
-                more[usize::from(self.receiver.cell[k])] += share * (hidden(q.into()) - hidden(before.into()));
-            }
-        }
-    }
-
-    /// The weighted sum of squares, with more hidden of each cell; with nothing more where the list ends.
-    fn cost_with(&self, more: &[f64]) -> f64 {
-        let more = more.iter().copied().chain(std::iter::repeat(0.0));
-        let (mut sum, mut squares) = (0.0, 0.0);
-        for ((error, share), more) in self.by_cell.iter().zip(&self.receiver.cell_share).zip(more) {
-            sum += error + more;
-            squares += (error + more).powi(2) / share;
-        }
-        self.receiver.weight * (sum * sum + if self.receiver.is_on_surface { 0.0 } else { squares })
-    }
-}
-
 /// The part of a ray that is hidden at a depth.
-fn hidden(depth: f64) -> f64 {
+pub(super) fn hidden(depth: f64) -> f64 {
     (0.5 + 0.5 * depth / RAMP).clamp(0.0, 1.0)
 }
 
+/// Depth of each ray in the cap of a sphere; whether the receiver sees that.
+pub(super) fn depths(sphere: &DSphere, receiver: &Receiver, depths: &mut [f32]) -> bool {
+    let cap = adjusted(sphere, receiver);
+    cap.iter().for_each(|cap| depths_in(cap, receiver, depths));
+    cap.is_some()
+}
+
 /// Depth of each ray in a cap; -1 behind the receiver. Without branches, so that the loop runs in whole vector registers.
-fn depths(cap: &AdjustedSphere, receiver: &Receiver, depths: &mut [f32]) {
+fn depths_in(cap: &AdjustedSphere, receiver: &Receiver, depths: &mut [f32]) {
     let count = depths.len();
     let [x, y, z] = receiver.direction.each_ref().map(|list| &list[..count]);
     let ([ax, ay, az], sine) = (cap.direction().as_vec3().to_array(), cap.sin_angular_radius() as f32);
@@ -160,7 +106,7 @@ impl Seen {
         let mut caps = Vec::new();
         for (number, sphere) in spheres.iter().enumerate() {
             let Some(seen) = adjusted(sphere, receiver) else { continue };
-            depths(&seen, receiver, &mut of_cap);
+            depths_in(&seen, receiver, &mut of_cap);
             for ((depth, deepest), q) in depth.iter_mut().zip(&mut deepest).zip(&of_cap) {
                 let is_deeper = q > depth;
                 *depth = if is_deeper { *q } else { *depth };

@@ -5,13 +5,14 @@
 //! squares over the irradiance under constant light, and under lights of 30 degrees one by one ([`coverage`]). Spheres may
 //! stick out, and may leave parts bare.
 //!
-//! Spheres are placed one after another where they help most ([`growth`]), several times over. The best of these starts is
-//! refined by Levenberg and Marquardt's method \[Marquardt1963\] ([`damped_step`]).
+//! The search is Levenberg and Marquardt's \[Marquardt1963\] ([`damped_step`]) from a set that bounds, its radii reduced. Out of
+//! local minima it is led by spheres that are put elsewhere ([`relocation`]).
 
 mod coverage;
 mod damped_step;
-mod growth;
+mod exchange;
 mod receivers;
+mod relocation;
 mod rows;
 
 use super::DSphere;
@@ -19,13 +20,12 @@ use super::normalized::NormalizedMesh;
 use crate::Progress;
 use damped_step::damped_step;
 use glam::DVec3;
-use growth::Growth;
-use rand::SeedableRng;
-use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 use receivers::Receiver;
 use rows::Rows;
 
+/// Factor of the radii of a bounding set with which the fit begins: those of a bunny hide right on average by about as much.
+const SHRINK: f64 = 0.88;
 /// Steps at most.
 const STEPS: usize = 24;
 /// A step that lowers the sum of squares by less, as a fraction of it, is the last.
@@ -35,26 +35,14 @@ const DAMPING: [f64; 3] = [0.1, 1e-3, 1e3];
 /// How far a sphere may move and grow in a step, in radii.
 const LARGEST_MOVE: f64 = 0.3;
 
-/// `count` spheres for `mesh`, the best of `starts`. The same seed gives the same bits on one thread or many.
-pub(super) fn fit(
-    mesh: &NormalizedMesh,
-    count: usize,
-    starts: usize,
-    seed: u64,
-    progress: &dyn Progress,
-) -> Vec<DSphere> {
-    progress.start("fitting shadows", (1 + starts + STEPS) as u64);
+/// The fit to `mesh` that begins at a set of spheres that bound it. The same seed gives the same bits on one thread or
+/// many.
+pub(super) fn fit(mesh: &NormalizedMesh, bounding: &[DSphere], seed: u64, progress: &dyn Progress) -> Vec<DSphere> {
+    progress.start("fitting shadows", (1 + relocation::rounds(bounding.len()) + STEPS) as u64);
     let receivers = receivers::receivers(mesh, seed);
     progress.advance(1);
-    let growth = Growth::new(mesh, &receivers);
-    let start = |start: usize| {
-        let mut rng = Pcg64Mcg::seed_from_u64(seed.wrapping_mul(0x9e37_79b9).wrapping_add(start as u64));
-        let grown = growth.spheres(count, &mut rng);
-        progress.advance(1);
-        grown
-    };
-    let best = (0..starts).map(start).min_by(|a, b| a.0.total_cmp(&b.0));
-    let mut spheres = best.map(|(_, spheres)| spheres).unwrap_or_default();
+    let mut spheres: Vec<DSphere> = bounding.iter().map(|s| DSphere { radius: SHRINK * s.radius, ..*s }).collect();
+    relocation::relocate(&receivers, &mut spheres, seed, &mut || progress.advance(1));
     refit(&receivers, &mut spheres, STEPS, WORTHWHILE, &mut || progress.advance(1));
     spheres
 }
