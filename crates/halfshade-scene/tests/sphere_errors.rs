@@ -34,8 +34,8 @@ pub(crate) struct SphereErrors {
     pub(crate) own: f64,
 }
 
-/// The errors of spheres in place of a mesh, which has normals, by so many rays for the sky and for each disc. Their noise adds
-/// to the errors: of 512 about .003 to those of the sky, squared.
+/// The errors of spheres in place of a mesh, which has normals, by so many rays for the sky and for each disc. Noise of 512 rays
+/// adds about .003, in squares, to an error under the sky.
 pub(crate) fn sphere_errors(mesh: &Mesh, spheres: &[Sphere], rays: usize) -> SphereErrors {
     let test = Test { rays: MeshRays::new(&mesh.positions, &mesh.triangles), spheres };
     let sky = disc(DVec3::Y, 1.0, rays);
