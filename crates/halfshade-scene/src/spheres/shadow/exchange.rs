@@ -86,7 +86,7 @@ impl<'a> View<'a> {
         (0..spheres).map(|sphere| self.change(&more[sphere * cells..][..cells])).collect()
     }
 
-    /// What ray `k` brings less once its depth is another.
+    /// Light that ray `k` brings less once its depth is another.
     fn gain(&self, k: usize, before: f32, after: f32) -> f64 {
         f64::from(self.receiver.share[k]) * (hidden(after.into()) - hidden(before.into()))
     }
