@@ -4,6 +4,8 @@ use crate::sphere_errors::sphere_errors;
 use glam::Vec3;
 use halfshade_scene::{Mesh, Sphere, SphereFit, SphereSet, builtin, progress::Silent, spheres::BuildOptions};
 
+const RAYS: usize = 512;
+
 fn built(mesh: &Mesh, count: usize, fit: SphereFit) -> SphereSet {
     let options = BuildOptions { fit, seed: 1, restarts: 1, teleports: 1, polish: true, jumps: 2 };
     SphereSet::build(mesh, count, &options, &Silent).unwrap()
@@ -13,7 +15,7 @@ fn built(mesh: &Mesh, count: usize, fit: SphereFit) -> SphereSet {
 #[test]
 fn a_sphere_hides_what_it_hides() {
     let mesh = builtin::shape("sphere").unwrap();
-    let errors = |radius| sphere_errors(&mesh, &[Sphere { center: Vec3::ZERO, radius }]);
+    let errors = |radius| sphere_errors(&mesh, &[Sphere { center: Vec3::ZERO, radius }], RAYS);
     let exact = errors(1.0);
     assert!(exact.sky < 2e-3 && exact.disc < 5e-3 && exact.touching < 2e-3 && exact.own < 1e-3, "{exact:?}");
     // A sphere of radius r at height h over its receiver's plane hides r² h / d³ of the sky.
@@ -35,7 +37,7 @@ fn shadows_and_own_light_are_nearer_to_the_mesh_than_those_of_bounding_sets() {
         let shadow = built(&mesh, count, SphereFit::Shadow);
         let mut shrunk = bounding.clone();
         shrunk.spheres.iter_mut().for_each(|sphere| sphere.radius *= 0.88);
-        let [before, after, middle] = [&bounding, &shadow, &shrunk].map(|set| sphere_errors(&mesh, &set.spheres));
+        let [before, after, middle] = [&bounding, &shadow, &shrunk].map(|set| sphere_errors(&mesh, &set.spheres, RAYS));
         assert!(after.sky < gains[0] * before.sky, "{name}: {before:?} {after:?}");
         assert!(after.disc < gains[1] * before.disc, "{name}: {before:?} {after:?}");
         assert!(after.own < gains[2] * before.own, "{name}: {before:?} {after:?}");
@@ -81,11 +83,11 @@ fn any_mesh_count_scale_and_place() {
             );
         }
     }
-    let unit = sphere_errors(&torus, &built(&torus, 8, SphereFit::Shadow).spheres);
+    let unit = sphere_errors(&torus, &built(&torus, 8, SphereFit::Shadow).spheres, RAYS);
     for (scale, place) in [(1e-12, Vec3::ZERO), (1e12, Vec3::ZERO), (1.0, Vec3::new(500.0, -300.0, 0.0))] {
         let mut moved = torus.clone();
         moved.positions.iter_mut().for_each(|p| *p = scale * *p + place);
-        let errors = sphere_errors(&moved, &built(&moved, 8, SphereFit::Shadow).spheres);
+        let errors = sphere_errors(&moved, &built(&moved, 8, SphereFit::Shadow).spheres, RAYS);
         assert!(errors.sky < 1.5 * unit.sky && errors.own < 1.5 * unit.own, "{scale}: {errors:?} {unit:?}");
     }
 }

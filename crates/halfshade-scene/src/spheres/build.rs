@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 /// Raise whenever the same mesh and options would give another set.
-const VERSION: u32 = 6;
+const VERSION: u32 = 7;
 /// Surface points to which spheres are fitted, at most.
 const SURFACE_POINTS: usize = 6_000;
 /// Rounds of tightening, each with the points that the one before left uncovered.
@@ -41,7 +41,8 @@ pub struct BuildOptions {
     pub fit: SphereFit,
     /// Seed of every random choice: the same seed gives the same bits on one thread or many.
     pub seed: u64,
-    /// Independent starts, of which the best is kept; at least 1.
+    /// Independent starts, of which the best is kept; at least 1. Fits to shadows need half as many, and
+    /// relocate spheres instead.
     pub restarts: usize,
     /// Attempts per start to leave a local minimum by teleporting a sphere; above 64 spheres in
     /// proportion fewer, as of `jumps`.
@@ -74,14 +75,17 @@ impl SphereSet {
         options: &BuildOptions,
         progress: &dyn Progress,
     ) -> Result<Self, SceneError> {
-        let build = Build::new(mesh, count, options, progress)?;
+        let half = BuildOptions { restarts: options.restarts.div_ceil(2), ..*options };
+        let is_start = options.fit == SphereFit::Shadow;
+        // Fits to shadows find their own way out of local minima, so that they need fewer starts.
+        let build = Build::new(mesh, count, if is_start { &half } else { options }, progress)?;
         let (published, polished) = build.fitted();
         let mut sets = build.bounded(published, polished);
         build.measure(&mut sets);
         // The polish sees lines of one direction and samples: where it is wrong by that, the published set stays.
         let less = |a: &SphereSet, b: &SphereSet| a.outside_volume_fraction.total_cmp(&b.outside_volume_fraction);
         let mut set = sets.into_iter().min_by(less).unwrap_or_default();
-        if options.fit == SphereFit::Shadow {
+        if is_start {
             let bounding = build.mesh.normalized(&set.spheres);
             let mut fitted = [build.mesh.placed(&shadow::fit(&build.mesh, &bounding, options.seed, progress))];
             build.measure(&mut fitted);

@@ -39,8 +39,32 @@ struct Seen {
     deepest: Vec<u32>,
 }
 
-/// The weighted errors of what is hidden from a receiver: of all light, and of each cell in terms of a light there, as if
-/// one of the cells, drawn by its share in the irradiance, were the only light.
+/// The part of a ray that is hidden at a depth.
+pub(super) fn hidden(depth: f64) -> f64 {
+    (0.5 + 0.5 * depth / RAMP).clamp(0.0, 1.0)
+}
+
+/// Depth of each ray in the cap of a sphere; whether the receiver sees that.
+pub(super) fn depths(sphere: &DSphere, receiver: &Receiver, depths: &mut [f32]) -> bool {
+    let cap = adjusted(sphere, receiver);
+    cap.iter().for_each(|cap| depths_in(cap, receiver, depths));
+    cap.is_some()
+}
+
+/// Depth of each ray in a cap; -1 behind the receiver. Without branches, so that the loop runs in whole vector registers.
+fn depths_in(cap: &AdjustedSphere, receiver: &Receiver, depths: &mut [f32]) {
+    let count = depths.len();
+    let [x, y, z] = receiver.direction.each_ref().map(|list| &list[..count]);
+    let ([ax, ay, az], sine) = (cap.direction().as_vec3().to_array(), cap.sin_angular_radius() as f32);
+    for (k, depth) in depths.iter_mut().enumerate() {
+        let (cx, cy, cz) = (ay * z[k] - az * y[k], az * x[k] - ax * z[k], ax * y[k] - ay * x[k]);
+        let q = sine - (cx * cx + cy * cy + cz * cz).sqrt();
+        *depth = if ax * x[k] + ay * y[k] + az * z[k] > 0.0 { q } else { -1.0 };
+    }
+}
+
+/// The weighted errors of what is hidden from a receiver: of all light, and, around the object, of each cell in terms of a
+/// light there, as if one of the cells, drawn by its share in the irradiance, were the only light.
 pub(super) fn errors(receiver: &Receiver, spheres: &[DSphere]) -> Rows {
     let mut seen = Seen::new(receiver, spheres);
     let by_cell = seen.errors_by_cell(receiver);
@@ -57,6 +81,9 @@ pub(super) fn errors(receiver: &Receiver, spheres: &[DSphere]) -> Rows {
     let root = receiver.weight.sqrt();
     let sums = slopes.iter().map(|(sphere, cells)| (*sphere, cells.iter().fold([0.0; 4], add)));
     rows.push(root, by_cell.iter().sum(), sums);
+    if receiver.is_on_surface {
+        return rows;
+    }
     for (cell, (error, share)) in by_cell.iter().zip(&receiver.cell_share).enumerate() {
         rows.push(root / share.sqrt(), *error, slopes.iter().map(|(sphere, cells)| (*sphere, cells[cell])));
     }
@@ -75,20 +102,15 @@ fn adjusted(sphere: &DSphere, receiver: &Receiver) -> Option<AdjustedSphere> {
 impl Seen {
     fn new(receiver: &Receiver, spheres: &[DSphere]) -> Self {
         let count = receiver.share.len();
-        let [x, y, z] = receiver.direction.each_ref().map(|list| &list[..count]);
-        let (mut depth, mut deepest) = (vec![-1.0f32; count], vec![u32::MAX; count]);
-        let (depths, numbers) = (&mut depth[..count], &mut deepest[..count]);
+        let (mut depth, mut deepest, mut of_cap) = (vec![-1.0f32; count], vec![u32::MAX; count], vec![0.0f32; count]);
         let mut caps = Vec::new();
         for (number, sphere) in spheres.iter().enumerate() {
             let Some(seen) = adjusted(sphere, receiver) else { continue };
-            let ([ax, ay, az], sine) = (seen.direction().as_vec3().to_array(), seen.sin_angular_radius() as f32);
-            // Without branches, so that the loop runs in whole vector registers.
-            for k in 0..count {
-                let (cx, cy, cz) = (ay * z[k] - az * y[k], az * x[k] - ax * z[k], ax * y[k] - ay * x[k]);
-                let q = sine - (cx * cx + cy * cy + cz * cz).sqrt();
-                let is_deeper = (ax * x[k] + ay * y[k] + az * z[k] > 0.0) & (q > depths[k]);
-                depths[k] = if is_deeper { q } else { depths[k] };
-                numbers[k] = if is_deeper { caps.len() as u32 } else { numbers[k] };
+            depths_in(&seen, receiver, &mut of_cap);
+            for ((depth, deepest), q) in depth.iter_mut().zip(&mut deepest).zip(&of_cap) {
+                let is_deeper = q > depth;
+                *depth = if is_deeper { *q } else { *depth };
+                *deepest = if is_deeper { caps.len() as u32 } else { *deepest };
             }
             caps.push(Cap { sphere: number, offset: seen.offset, slopes: Vec::new() });
         }
@@ -102,8 +124,7 @@ impl Seen {
         for k in 0..receiver.share.len() {
             let (q, share, cell) =
                 (f64::from(self.depth[k]), f64::from(receiver.share[k]), usize::from(receiver.cell[k]));
-            let hidden = (0.5 + 0.5 * q / RAMP).clamp(0.0, 1.0);
-            errors[cell] += share * (hidden - f64::from(receiver.hidden[k]));
+            errors[cell] += share * (hidden(q) - f64::from(receiver.hidden[k]));
             if q.abs() < RAMP {
                 let cap = &mut self.caps[self.deepest[k] as usize];
                 let direction = DVec3::new(x[k].into(), y[k].into(), z[k].into());

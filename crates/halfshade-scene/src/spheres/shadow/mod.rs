@@ -5,12 +5,14 @@
 //! squares over the irradiance under constant light, and under lights of 30 degrees one by one ([`coverage`]). Spheres may
 //! stick out, and may leave parts bare.
 //!
-//! The search is Levenberg and Marquardt's \[Marquardt1963\] ([`damped_step`]) from a set that bounds, its radii reduced. It ends in a local
-//! minimum: where a sphere is missing altogether it brings none.
+//! The search is Levenberg and Marquardt's \[Marquardt1963\] ([`damped_step`]) from a set that bounds, its radii reduced. Out of
+//! local minima it is led by spheres that are put elsewhere ([`relocation`]).
 
 mod coverage;
 mod damped_step;
+mod exchange;
 mod receivers;
+mod relocation;
 mod rows;
 
 use super::DSphere;
@@ -36,28 +38,42 @@ const LARGEST_MOVE: f64 = 0.3;
 /// The fit to `mesh` that begins at a set of spheres that bound it. The same seed gives the same bits on one thread or
 /// many.
 pub(super) fn fit(mesh: &NormalizedMesh, bounding: &[DSphere], seed: u64, progress: &dyn Progress) -> Vec<DSphere> {
-    progress.start("fitting shadows", 1 + STEPS as u64);
+    progress.start("fitting shadows", (1 + relocation::rounds(bounding.len()) + STEPS) as u64);
     let receivers = receivers::receivers(mesh, seed);
     progress.advance(1);
     let mut spheres: Vec<DSphere> = bounding.iter().map(|s| DSphere { radius: SHRINK * s.radius, ..*s }).collect();
-    let mut rows = all_errors(&receivers, &spheres);
+    relocation::relocate(&receivers, &mut spheres, seed, &mut || progress.advance(1));
+    refit(&receivers, &mut spheres, STEPS, WORTHWHILE, &mut || progress.advance(1));
+    spheres
+}
+
+/// Moves spheres to a local minimum of the sum of squares, or `steps` towards it, and ends before where a step lowers it by
+/// less than the `worthwhile` part. Returns the sum.
+fn refit(
+    receivers: &[Receiver],
+    spheres: &mut Vec<DSphere>,
+    steps: usize,
+    worthwhile: f64,
+    after_step: &mut dyn FnMut(),
+) -> f64 {
+    let mut rows = all_errors(receivers, spheres);
     let [mut damping, least, largest] = DAMPING;
-    for _ in 0..STEPS {
-        let moved = moved(&spheres, &damped_step(&rows, spheres.len(), damping));
-        let next = all_errors(&receivers, &moved);
+    for _ in 0..steps {
+        let moved = moved(spheres, &damped_step(&rows, spheres.len(), damping));
+        let next = all_errors(receivers, &moved);
         let (before, after) = (rows.cost(), next.cost());
-        progress.advance(1);
+        after_step();
         if after < before {
-            (rows, spheres) = (next, moved);
+            (rows, *spheres) = (next, moved);
             damping = (0.4 * damping).max(least);
         } else {
             damping *= 4.0;
         }
-        if damping > largest || (after < before && after > before * (1.0 - WORTHWHILE)) {
+        if damping > largest || (after < before && after > before * (1.0 - worthwhile)) {
             break;
         }
     }
-    spheres
+    rows.cost()
 }
 
 /// The errors of all receivers, in their order.

@@ -28,7 +28,7 @@ const LARGEST_GAP: f64 = 0.15;
 const ON_SURFACE: usize = 1_200;
 /// Weight of all receivers on the surface, those around it having 1: errors there are several times as large, and would
 /// otherwise be lowered at the expense of shadows.
-const SURFACE_WEIGHT: f64 = 0.05;
+const SURFACE_WEIGHT: f64 = 0.1;
 /// Cells of all directions: each is about as large as a light of 30 degrees.
 const CELLS: usize = 60;
 /// Least cosine by which a cell at the horizon counts: what light brings there is little, and its share nearly 0/0.
@@ -45,6 +45,9 @@ pub(super) struct Receiver {
     pub(super) normal: DVec3,
     /// Weight of its squared errors.
     pub(super) weight: f64,
+    /// Whether it lies on the object, where only the error of all light counts: that of single lights is mostly noise of
+    /// what spheres can't hold so near.
+    pub(super) is_on_surface: bool,
     /// Unit directions of the rays.
     pub(super) direction: [Vec<f32>; 3],
     /// Share of each ray in the irradiance under constant light.
@@ -151,6 +154,7 @@ impl View {
             position: place.position,
             normal,
             weight: place.weight,
+            is_on_surface: place.is_on_surface,
             direction: [const { Vec::new() }; 3],
             share: Vec::new(),
             cell: Vec::new(),
