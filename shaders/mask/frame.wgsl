@@ -1,4 +1,5 @@
 // The data of a frame of mask.
+#import "shared/irradiance.wgsl"
 
 struct Frame {
     // Irradiance by constant light; by a map, the table counts.

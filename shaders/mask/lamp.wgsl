@@ -2,6 +2,7 @@
 #import "mask/cap.wgsl"
 #import "mask/four.wgsl"
 #import "mask/frame.wgsl"
+#import "shared/placed_lamps.wgsl"
 
 // A lamp as one receiver sees it.
 struct LampView {
@@ -21,22 +22,9 @@ struct LampView {
 
 // `place` is a sphere, or direction and sine.
 fn lamp_view(place: vec4f, is_near: bool, position: vec3f, normal: vec3f) -> LampView {
-    var axis = place.xyz;
-    var sine = place.w;
-    var distance = 3e38f;
-    if (is_near) {
-        let offset = place.xyz - position;
-        distance = length(offset);
-        if (distance > place.w) {
-            axis = offset / distance;
-            sine = place.w / distance;
-        } else {
-            axis = normal;
-            sine = 1.0;
-            distance = place.w;
-        }
-    }
-    let versine = sine * sine / (1.0 + sqrt(max(1.0 - sine * sine, 0.0)));
+    let seen = seen_lamp(place, is_near, position, normal);
+    let axis = seen.axis;
+    let versine = seen.sine * seen.sine / (1.0 + sqrt(max(1.0 - seen.sine * seen.sine, 0.0)));
     let radius = max(sqrt(2.0 * versine / frame.lamp_directions), 1e-18f);
     let side = select(1.0, -1.0, axis.z < 0.0);
     let a = -1.0 / (side + axis.z);
@@ -46,7 +34,7 @@ fn lamp_view(place: vec4f, is_near: bool, position: vec3f, normal: vec3f) -> Lam
         vec3f(1.0 + side * axis.x * axis.x * a, side * b, -side * axis.x),
         vec3f(b, side + axis.y * axis.y * a, -axis.y),
         versine,
-        distance,
+        seen.distance,
         1.0 / (frame.edge * radius),
         sqrt(2.0 * versine) + frame.edge * radius,
     );

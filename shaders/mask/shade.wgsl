@@ -1,5 +1,4 @@
 // Directions that blockers close, one receiver per invocation: twin of `mask/shade/batch.rs`.
-#import "common/cap.wgsl"
 #import "common/octahedral.wgsl"
 #import "common/receivers.wgsl"
 #import "mask/boxes.wgsl"
@@ -8,6 +7,7 @@
 #import "mask/frame.wgsl"
 #import "mask/lamp.wgsl"
 #import "mask/own.wgsl"
+#import "shared/placed_lamps.wgsl"
 
 // Sixteen directions, or what is open of them.
 struct Sixteen {
@@ -39,15 +39,6 @@ fn main(@builtin(global_invocation_id) invocation: vec3u) {
         irradiance += light_of_lamp(frame.lamps + 2u * lamp, receiver, own);
     }
     reflect(number, irradiance / PI);
-}
-
-fn rest_irradiance(normal: vec3f) -> vec3f {
-    if (frame.grid_cells == 0.0) {
-        return frame.constant.xyz;
-    }
-    let found = octahedral_lookup(normal, frame.grid_cells);
-    return tables[found.nodes.x].xyz * found.weights.x + tables[found.nodes.y].xyz * found.weights.y
-        + tables[found.nodes.z].xyz * found.weights.z;
 }
 
 // The row of the directions of receivers with a normal.
@@ -175,7 +166,7 @@ fn open_before(view: LampView, row: u32, limit: f32, receiver: Receiver, own: Ow
 fn light_of_lamp(first: u32, receiver: Receiver, own: OwnPoint) -> vec3f {
     let place = rows[first];
     let is_near = rows[first + 1u].w > 0.5;
-    let whole = rows[first + 1u].xyz * form_of_lamp(place, is_near, receiver);
+    let whole = rows[first + 1u].xyz * lamp_form(place, is_near, receiver.position, receiver.normal);
     if (all(whole == vec3f(0.0))) {
         return whole;
     }
@@ -222,17 +213,4 @@ fn light_of_lamp(first: u32, receiver: Receiver, own: OwnPoint) -> vec3f {
 fn cosines_of(view: LampView, shift: Four, normal: vec3f, number: vec4f) -> vec4f {
     let above = along(in_light_space(view, shift), normal) + dot(normal, view.axis);
     return select(vec4f(0.0), max(above, vec4f(0.0)), number < vec4f(frame.lamp_directions));
-}
-
-// Irradiance of a lamp of radiance 1 that nothing hides.
-fn form_of_lamp(place: vec4f, is_near: bool, receiver: Receiver) -> f32 {
-    if (!is_near) {
-        return cap_irradiance(dot(place.xyz, receiver.normal), place.w);
-    }
-    let offset = place.xyz - receiver.position;
-    let distance = length(offset);
-    if (distance <= place.w) {
-        return PI;
-    }
-    return cap_irradiance(dot(offset, receiver.normal) / distance, place.w / distance);
 }

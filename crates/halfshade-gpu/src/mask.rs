@@ -3,7 +3,7 @@
 use crate::{
     GpuError,
     kernels::MASK,
-    receivers::KernelSpace,
+    placed::{PLACED_ROWS, Placed, constant_or_cells, node_rows},
     rows::row,
     runner::{Bench, Runner, Uploaded},
 };
@@ -11,18 +11,16 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use halfshade_scene::{
     Frame, Progress, Receivers, Scene,
-    light::DistantLight,
     spheres::{AdjustRule, COVER_HEIGHT, FADE_HEIGHT},
 };
 use halfshade_strategies::{
     Mask,
     mask::{
         BakedScene,
-        arrays::{FrameArrays, Lamp, LampPlace, OwnPoint, PlacedBox, SetArrays},
+        arrays::{FrameArrays, OwnPoint, PlacedBox, SetArrays},
     },
 };
 use halfshade_strategy::{Baked, Footprint, Info, Params, Prepared, Strategy, StrategyError};
-use std::f32::consts::PI;
 
 /// Places of the kernel's buffers in group 1.
 const ROWS: usize = 1;
@@ -141,26 +139,23 @@ impl BakedOnGpu {
 
     fn prepare_on_device(&mut self, frame: &Frame<'_>) -> Result<(), StrategyError> {
         let arrays = self.baked.frame_arrays(frame)?;
-        let space = space_of(&arrays);
-        let rows = rows_of_frame(&arrays, space.scale as f32);
+        let placed = Placed { spheres: arrays.spheres, lamps: arrays.lamps };
+        let space = placed.space(arrays.rotation, arrays.origin, arrays.boxes.iter().map(|placed| placed.center));
+        let rows = rows_of_frame(&arrays, &placed, space.scale as f32);
         let spheres = arrays.spheres.len() as u32;
         let (boxes, lamps) = (arrays.boxes.len() as u32, arrays.lamps.len() as u32);
         let light = (arrays.light_changes, arrays.lamp_directions);
-        let irradiance: Vec<[f32; 4]> = arrays.rest.table.iter().map(|value| row(*value, 0.0)).collect();
-        let (constant, grid_cells) = match &arrays.rest.base {
-            DistantLight::Constant(radiance) => (PI * *radiance, 0.0),
-            DistantLight::Map(_) => (Vec3::ZERO, arrays.rest.grid.cells() as f32),
-        };
+        let (irradiance, (constant, grid_cells)) = (node_rows(arrays.rest), constant_or_cells(arrays.rest));
         self.write_tables(light, &irradiance)?;
         self.uniforms = FrameUniforms {
-            constant: row(constant, 0.0),
+            constant,
             grid_cells,
             lamp_directions: light.1 as f32,
             sphere_count: spheres,
             box_count: boxes,
             lamp_count: lamps,
-            boxes: 2 * spheres,
-            lamps: 2 * spheres + 5 * boxes,
+            boxes: PLACED_ROWS as u32 * spheres,
+            lamps: PLACED_ROWS as u32 * spheres + 5 * boxes,
             ..self.uniforms
         };
         self.runner.write_uniforms(&self.uniforms);
@@ -191,37 +186,14 @@ impl Baked for BakedOnGpu {
     }
 }
 
-/// Light space, scaled so that everything has coordinates near 1.
-fn space_of(arrays: &FrameArrays<'_>) -> KernelSpace {
-    let reach = |center: [f32; 3], radius: f32| center.map(|x| x.abs() + radius).into_iter().fold(0.0, f32::max);
-    let spheres = arrays.spheres.iter().map(|sphere| reach(sphere.center, sphere.radius));
-    let boxes = arrays.boxes.iter().map(|placed| reach(placed.center, 0.0));
-    let lamps = arrays.lamps.iter().map(|lamp| match lamp.place {
-        LampPlace::Far { .. } => 0.0,
-        LampPlace::Near { center, .. } => reach(center, 0.0),
-    });
-    let extent = spheres.chain(boxes).chain(lamps).fold(0.0, f32::max);
-    KernelSpace::around(arrays.origin, arrays.rotation, f64::from(extent))
-}
-
 /// Spheres, boxes and lamps, as `mask/frame.wgsl` tells.
-fn rows_of_frame(arrays: &FrameArrays<'_>, scale: f32) -> Vec<[f32; 4]> {
-    let scaled = |point: [f32; 3]| scale * Vec3::from(point);
-    let mut rows = Vec::new();
-    for sphere in arrays.spheres {
-        rows.extend([row(scaled(sphere.center), scale * sphere.radius), [sphere.object as f32, 0.0, 0.0, 0.0]]);
-    }
-    for &PlacedBox { center, half, rotation, object } in arrays.boxes {
-        rows.extend([row(scaled(center), object as f32), row(scaled(half), 0.0)]);
-        rows.extend(rotation.map(|axis| row(axis.into(), 0.0)));
-    }
-    for &Lamp { place, radiance } in arrays.lamps {
-        rows.extend(match place {
-            LampPlace::Far { direction, sine } => [row(direction.into(), sine), row(radiance, 0.0)],
-            LampPlace::Near { center, radius } => [row(scaled(center), scale * radius), row(radiance, 1.0)],
-        });
-    }
-    rows
+fn rows_of_frame(arrays: &FrameArrays<'_>, placed: &Placed<'_>, scale: f32) -> Vec<[f32; 4]> {
+    let boxes = arrays.boxes.iter().flat_map(|&PlacedBox { center, half, rotation, object }| {
+        let [center, half] = [center, half].map(|vector| scale * Vec3::from(vector));
+        let axes = rotation.map(|axis| row(axis.into(), 0.0));
+        [row(center, object as f32), row(half, 0.0)].into_iter().chain(axes)
+    });
+    placed.sphere_rows(scale).chain(boxes).chain(placed.lamp_rows(scale)).collect()
 }
 
 /// Directions four by four, as `mask/frame.wgsl` tells.

@@ -12,6 +12,9 @@ macro_rules! sources {
 }
 
 sources! {
+    "analytic/frame.wgsl"
+    "analytic/overlap.wgsl"
+    "analytic/shade.wgsl"
     "common/cap.wgsl"
     "common/constants.wgsl"
     "common/eye_lobes.wgsl"
@@ -65,6 +68,8 @@ sources! {
     "shadow_field/shade.wgsl"
     "shadow_field/shell_coordinates.wgsl"
     "shadow_field/shell_grid.wgsl"
+    "shared/irradiance.wgsl"
+    "shared/placed_lamps.wgsl"
     "shared/tangent_plane.wgsl"
     "unshadowed/shade.wgsl"
 }

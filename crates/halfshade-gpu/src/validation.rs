@@ -1,6 +1,8 @@
 //! Shaders without a device: every kernel is parsed and validated, and its structs lie as those of the Rust that fills them.
 
-use crate::{hierarchy::Node, kernels::KERNELS, mask, ray_traced, receivers, sh_exp, shader, shadow_field, unshadowed};
+use crate::{
+    analytic, hierarchy::Node, kernels::KERNELS, mask, ray_traced, receivers, sh_exp, shader, shadow_field, unshadowed,
+};
 use halfshade_sh::wgsl::MAX_WGSL_BANDS;
 use naga::{
     Module, TypeInner,
@@ -287,4 +289,15 @@ fn structs_lie_in_rust_as_in_wgsl() {
         offset_of!(Masks, padding),
     ];
     assert_eq!(layout(&module, "Frame"), (size_of::<Masks>(), masks));
+
+    let (module, _) = valid("analytic", &shader::module("analytic/shade.wgsl", None));
+    type Closed = analytic::FrameUniforms;
+    let closed = vec![
+        offset_of!(Closed, constant),
+        offset_of!(Closed, grid_cells),
+        offset_of!(Closed, sphere_count),
+        offset_of!(Closed, lamp_count),
+        offset_of!(Closed, padding),
+    ];
+    assert_eq!(layout(&module, "Frame"), (size_of::<Closed>(), closed));
 }

@@ -12,7 +12,7 @@ mod twins;
 
 use halfshade_gpu::{Choice, Gpu, strategies};
 use halfshade_scene::Cache;
-use halfshade_strategies::{Mask, RayTraced, ShExp, ShadowField, Unshadowed};
+use halfshade_strategies::{Analytic, Mask, RayTraced, ShExp, ShadowField, Unshadowed};
 use halfshade_strategy::{
     Params, Strategy,
     contract::{self, Bounds, Violation},
@@ -179,6 +179,8 @@ fn subjects() -> Vec<(&'static str, &'static str, Bounds)> {
     // Directions don't turn with the scene.
     let directions = Bounds { rotation: 0.15, brightening: 1e-4, ..table };
     subjects.extend(MASKS.map(|settings| ("mask", settings, directions)));
+    let closed_forms = Bounds { brightening: 1e-5, ..table };
+    subjects.extend(["", "own=spheres"].map(|settings| ("analytic", settings, closed_forms)));
     subjects
 }
 
@@ -210,6 +212,7 @@ fn cpu(name: &str) -> Box<dyn Strategy> {
         "unshadowed" => Box::new(Unshadowed),
         "ray-traced" => Box::new(RayTraced),
         "mask" => Box::new(Mask),
+        "analytic" => Box::new(Analytic),
         "shadow-field" => Box::new(ShadowField::new(CACHE.clone())),
         _ => Box::new(ShExp),
     }

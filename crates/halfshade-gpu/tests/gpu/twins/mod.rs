@@ -1,5 +1,6 @@
 //! Functions of the shaders, one by one, beside double precision: random inputs and extremes.
 
+mod caps;
 mod combinations;
 mod distant_light;
 mod fields;
@@ -65,6 +66,9 @@ pub(super) const TESTS: &[(&str, Test)] = &[
     ("stops", product::stops),
     ("traverse", traverse::traverse),
     ("cutout", traverse::cutout),
+    ("placed_lamps", caps::placed_lamps),
+    ("overlap", caps::overlap),
+    ("rest_irradiance", caps::rest_irradiance),
     ("mask_four", mask::four),
     ("mask_cap", mask::cap),
     ("mask_directions", mask::directions),
