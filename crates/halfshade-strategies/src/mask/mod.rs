@@ -47,14 +47,15 @@ use crate::shared::{blockers::Blockers, by_mesh::distinct, divided_light::Divide
 use bake::{
     boxes::{SolidBox, solid_box},
     directions::{DirectionSets, Drawing},
+    lobe_light::LobeLight,
     own::{OwnMesh, own_meshes},
 };
 use halfshade_scene::{Frame, Progress, Scene};
 use halfshade_strategy::{Baked, Effect, Effects, Footprint, Info, Params, Prepared, Strategy, StrategyError};
-use kernel::lamp::Spiral;
+use kernel::{lamp::Spiral, lobe::LobeSpiral};
 use prepare::frame::FrameData;
 use settings::{Own, PRESETS, Settings};
-use shade::Shader;
+use shade::{GlossTables, Shader};
 use std::sync::Arc;
 
 /// The strategy.
@@ -75,6 +76,8 @@ pub struct BakedScene {
     light: DividedLight,
     sets: DirectionSets,
     spiral: Spiral,
+    /// Where anything is glossy.
+    gloss: Option<GlossTables>,
     own: Vec<Option<Arc<OwnMesh>>>,
     boxes: Vec<Option<SolidBox>>,
     blockers: Blockers,
@@ -91,7 +94,7 @@ impl Strategy for Mask {
             source: "[Debevec2005]",
             parameters: Settings::parameters(),
             presets: PRESETS,
-            effects: Effects::of(&Effect::DIRECT),
+            effects: Effects::of(&Effect::DIRECT).with(Effect::GlossyReflectance),
         }
     }
 
@@ -120,8 +123,12 @@ impl BakedScene {
         Self {
             sets: DirectionSets::new(&light.rest.base, &drawing),
             drawing,
-            light,
             spiral: Spiral::new(settings.directions),
+            gloss: scene.is_glossy().then(|| GlossTables {
+                spiral: LobeSpiral::new((settings.directions / 2).next_multiple_of(16)),
+                light: LobeLight::new(&light.rest.base),
+            }),
+            light,
             own,
             boxes: scene.objects.iter().map(solid_box).collect(),
             blockers: Blockers::new(scene),
@@ -138,6 +145,9 @@ impl BakedScene {
         }
         if self.light.set(&frame.scene.environment.base) {
             self.sets = DirectionSets::new(&self.light.rest.base, &self.drawing);
+            if let Some(gloss) = &mut self.gloss {
+                gloss.light = LobeLight::new(&self.light.rest.base);
+            }
             self.light_changes += 1;
         }
         self.frame = FrameData::new(frame, &self.blockers, &self.boxes, &self.light);
@@ -161,6 +171,7 @@ impl Baked for BakedScene {
             parts: vec![
                 ("directions", self.sets.bytes()),
                 ("irradiance over normals", self.light.bytes()),
+                ("light over lobes", self.gloss.as_ref().map_or(0, |gloss| gloss.light.bytes())),
                 ("own visibility", own.map(|own| size_of_val(own.cells.words.as_slice())).sum()),
                 ("spheres, boxes and lamps", self.frame.bytes()),
                 ("bindings", self.blockers.bytes()),
@@ -176,6 +187,7 @@ impl Baked for BakedScene {
             spiral: &self.spiral,
             own: &self.own,
             rest: &self.light.rest,
+            gloss: self.gloss.as_ref(),
             rule: self.settings.rule.into(),
             edge: self.drawing.edge,
         }))
