@@ -365,6 +365,27 @@ pub const MASK: Kernel = Kernel {
         CAP,
         REST_IRRADIANCE,
         PLACED_LAMPS,
+        REFLECTANCE,
+        EYE_LOBES,
+        NEAR_ZERO,
+        Twin {
+            shader: "mask/bundle.wgsl",
+            cpu: "halfshade_strategies::mask::kernel::bundle",
+            tolerance: 1e-3,
+            reason: "differences of unit directions over the width of an edge before a small lamp",
+        },
+        Twin {
+            shader: "mask/lobe.wgsl",
+            cpu: "halfshade_strategies::mask::kernel::lobe",
+            tolerance: 1e-4,
+            reason: "powers, as those of the reflectance",
+        },
+        Twin {
+            shader: "mask/lobe_light.wgsl",
+            cpu: "halfshade_strategies::mask::bake::lobe_light",
+            tolerance: 1e-4,
+            reason: "the place between levels is a logarithm",
+        },
         Twin {
             shader: "mask/four.wgsl",
             cpu: "halfshade_strategies::shared::vector",

@@ -1,10 +1,13 @@
-//! `mask` on the device: directions and what meshes hide from themselves stay there, spheres, boxes and lamps go up.
+//! `mask` on the device: directions, light over lobes and what meshes hide from themselves stay there, spheres, boxes
+//! and lamps go up.
 
 use crate::{
     GpuError,
     kernels::MASK,
+    pipeline::flag,
     placed::{PLACED_ROWS, Placed, constant_or_cells, node_rows},
-    rows::row,
+    reflectance::{TERM_ROWS, terms},
+    rows::{Row, row},
     runner::{Bench, Runner, Uploaded},
 };
 use bytemuck::{Pod, Zeroable};
@@ -42,6 +45,7 @@ pub struct MaskOnGpu {
 #[expect(missing_docs, reason = "fields are told of in `mask/frame.wgsl`")]
 pub struct FrameUniforms {
     pub constant: [f32; 4],
+    pub eye: [f32; 4],
     pub grid_cells: f32,
     pub normal_cells: f32,
     pub edge: f32,
@@ -56,13 +60,20 @@ pub struct FrameUniforms {
     pub sets: u32,
     pub spiral: u32,
     pub own_side: u32,
-    pub padding: [u32; 2],
+    pub levels: u32,
+    pub level_count: u32,
+    pub lobe_spiral: u32,
+    pub lobe_sixteens: u32,
+    pub objects: u32,
+    pub padding: u32,
 }
 
 struct BakedOnGpu {
     baked: BakedScene,
     runner: Runner,
     uniforms: FrameUniforms,
+    /// Terms of every object, as [`reflectances`] has them.
+    reflectances: Vec<u32>,
     /// Changes of the light, and directions into each lamp, for which tables are on the device.
     tables_of: Option<(u32, usize)>,
 }
@@ -86,7 +97,7 @@ impl Strategy for MaskOnGpu {
             AdjustRule::Covering => (1.0, COVER_HEIGHT),
             AdjustRule::Published => (2.0, 1.0),
         };
-        let constants = [("RULE", rule), ("FULL_HEIGHT", full_height)];
+        let constants = [("RULE", rule), ("FULL_HEIGHT", full_height), ("IS_GLOSSY", flag(scene.is_glossy()))];
         let runner = Runner::new(&self.bench, &MASK, None, &constants, size_of::<FrameUniforms>())?;
         let uniforms = FrameUniforms {
             normal_cells: arrays.normal_cells as f32,
@@ -94,7 +105,7 @@ impl Strategy for MaskOnGpu {
             own_side: arrays.own_side as u32,
             ..FrameUniforms::default()
         };
-        let mut baked = BakedOnGpu { baked, runner, uniforms, tables_of: None };
+        let mut baked = BakedOnGpu { baked, runner, uniforms, reflectances: reflectances(scene), tables_of: None };
         baked.write_cells(&[])?;
         Ok(Box::new(baked))
     }
@@ -112,6 +123,8 @@ impl BakedOnGpu {
             cells.extend([u32::from(point.is_some()), u32::from(known.is_all_open)]);
         }
         cells.extend(self.baked.own_words());
+        self.uniforms.objects = cells.len() as u32;
+        cells.extend(&self.reflectances);
         self.runner.write(CELLS, &cells)
     }
 
@@ -129,9 +142,19 @@ impl BakedOnGpu {
         self.uniforms.spiral = rows.len() as u32;
         let places = self.baked.lamp_places();
         self.uniforms.lamp_sixteens = light.1.div_ceil(16) as u32;
-        for four in places.chunks(4) {
-            rows.extend((0..3).map(|k| std::array::from_fn::<f32, 4, _>(|lane| four[lane][k])));
+        rows.extend(rows_of_places(&places));
+        self.uniforms.lobe_spiral = rows.len() as u32;
+        let places = self.baked.lobe_places();
+        self.uniforms.lobe_sixteens = (places.len() / 16) as u32;
+        rows.extend(rows_of_places(&places));
+        self.uniforms.levels = rows.len() as u32;
+        self.uniforms.level_count = self.baked.lobe_levels().count() as u32;
+        let mut first = self.uniforms.level_count as usize;
+        for (cells, means) in self.baked.lobe_levels() {
+            rows.push([first as f32, cells as f32, 0.0, 0.0]);
+            first += means.len();
         }
+        rows.extend(self.baked.lobe_levels().flat_map(|(_, means)| means).map(|mean| row(*mean, 0.0)));
         self.runner.write(TABLES, &rows)?;
         self.tables_of = Some(light);
         Ok(())
@@ -149,6 +172,7 @@ impl BakedOnGpu {
         self.write_tables(light, &irradiance)?;
         self.uniforms = FrameUniforms {
             constant,
+            eye: space.place(frame.scene.camera.eye.as_dvec3()).extend(0.0).as_vec4().to_array(),
             grid_cells,
             lamp_directions: light.1 as f32,
             sphere_count: spheres,
@@ -194,6 +218,26 @@ fn rows_of_frame(arrays: &FrameArrays<'_>, placed: &Placed<'_>, scale: f32) -> V
         [row(center, object as f32), row(half, 0.0)].into_iter().chain(axes)
     });
     placed.sphere_rows(scale).chain(boxes).chain(placed.lamp_rows(scale)).collect()
+}
+
+/// Places of a spiral four by four.
+fn rows_of_places(places: &[[f32; 3]]) -> impl Iterator<Item = [f32; 4]> {
+    places.chunks(4).flat_map(|four| (0..3).map(|k| std::array::from_fn(|lane| four[lane][k])))
+}
+
+/// What objects reflect beside their diffuse part, as `mask/frame.wgsl` tells.
+fn reflectances(scene: &Scene) -> Vec<u32> {
+    let mut terms: Vec<Vec<Row>> = scene.objects.iter().map(|object| terms(&object.material.reflectance)).collect();
+    // For what lies on no object.
+    terms.push(Vec::new());
+    let mut numbers = Vec::new();
+    let mut first = 2 * terms.len();
+    for of_object in &terms {
+        numbers.extend([first as u32, (of_object.len() / TERM_ROWS) as u32]);
+        first += 4 * of_object.len();
+    }
+    numbers.extend(terms.iter().flatten().flatten());
+    numbers
 }
 
 /// Directions four by four, as `mask/frame.wgsl` tells.

@@ -272,6 +272,7 @@ fn structs_lie_in_rust_as_in_wgsl() {
     type Masks = mask::FrameUniforms;
     let masks = vec![
         offset_of!(Masks, constant),
+        offset_of!(Masks, eye),
         offset_of!(Masks, grid_cells),
         offset_of!(Masks, normal_cells),
         offset_of!(Masks, edge),
@@ -286,6 +287,11 @@ fn structs_lie_in_rust_as_in_wgsl() {
         offset_of!(Masks, sets),
         offset_of!(Masks, spiral),
         offset_of!(Masks, own_side),
+        offset_of!(Masks, levels),
+        offset_of!(Masks, level_count),
+        offset_of!(Masks, lobe_spiral),
+        offset_of!(Masks, lobe_sixteens),
+        offset_of!(Masks, objects),
         offset_of!(Masks, padding),
     ];
     assert_eq!(layout(&module, "Frame"), (size_of::<Masks>(), masks));

@@ -25,15 +25,28 @@
 //! minimum. A table of closed directions by axis and radius needs fewer, but would be one per set of directions, more than a
 //! cache holds, and has neither edges nor lamps.
 //!
+//! **Gloss.** A lobe `s max(a·ω, 0)^e` toward the eye is looked along in K/2 directions of its own, spread as the lobe is however
+//! sharp that is (`kernel/lobe.rs`), which the same spheres, mesh and boxes close; the horizon closes a part of a cell as well. The light
+//! over the whole lobe is known, of a map by a table over axes and exponents (`bake/lobe_light.rs`), and multiplied by the share that is
+//! left:
+//!
+//! ```text
+//! L = s · ∫ L_env(ω) max(a·ω, 0)^e dω · Σ_k v_k q_k c_k / Σ_k q_k
+//! ```
+//!
+//! with q_k the map's mean over a direction's cell and c_k the cosine, or how much of the cell is above the horizon. Lamps add to a
+//! lobe by the narrower of both: by the directions into the lamp, which are known already, or, where the lobe is narrower, by
+//! those along the lobe, the cells of which the lamp fills in part. Where nothing is glossy none of this takes time.
+//!
 //! **Own object.** `own=baked` traces once what each mesh hides from its vertices (`kernel/own.rs`), which is interpolated between them,
 //! and leaves the object's own spheres out. Objects that deform, and receivers that lie nowhere on a mesh or are seen from
 //! behind, fall back on the spheres.
 //!
 //! **Ground.** Objects without spheres hide light from others if they are boxes or rectangles; any other is seen by itself alone.
 //!
-//! **Bounds.** Radiance lies between 0 and what arrives unshadowed, by its form; a blocker more never brightens.
+//! **Bounds.** Diffuse radiance lies between 0 and what arrives unshadowed, by its form; a blocker more never brightens.
 //!
-//! **Limits.** Directions are few: a lamp's penumbra has as many steps as it is looked into. Spheres that cut the receiver's tangent
+//! **Limits.** Mirrors show a map in cells of 2.8 degrees. Directions are few: a lamp's penumbra has as many steps as it is looked into. Spheres that cut the receiver's tangent
 //! plane follow the rules of [Guerrero2007, 4.2].
 
 pub mod arrays;

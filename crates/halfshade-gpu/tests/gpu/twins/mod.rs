@@ -7,6 +7,7 @@ mod fields;
 mod irradiance;
 mod light;
 mod mask;
+mod mask_gloss;
 mod product;
 mod rays;
 mod receivers;
@@ -75,6 +76,8 @@ pub(super) const TESTS: &[(&str, Test)] = &[
     ("mask_boxes", mask::boxes),
     ("mask_own", mask::own),
     ("mask_lamp", mask::lamp),
+    ("mask_lobe", mask_gloss::lobe),
+    ("mask_lobe_light", mask_gloss::lobe_light),
 ];
 
 /// Calls per test.
