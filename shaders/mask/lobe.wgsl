@@ -13,7 +13,7 @@ struct LobeView {
     sharpness: f32,
 }
 
-// What is as far as `distance` hides nothing.
+// Spheres as far as `distance` hide nothing.
 fn lobe_view(axis: vec3f, exponent: f32, distance: f32) -> LobeView {
     let count = 16.0 * f32(frame.lobe_sixteens);
     let versine = 1.0 / (exponent + 1.0);
@@ -56,7 +56,7 @@ fn powers(exponent: f32, versine: vec4f) -> vec4f {
         power_of(exponent, versine.w));
 }
 
-// What a lobe has beside its power in directions with cosine `above`: the cosine, or how much of their cells is above the horizon.
+// The factor of a lobe beside its power in directions with cosine `above`: the cosine, or how much of their cells is above the horizon.
 fn horizon(lobe: Lobe, above: vec4f, sharpness: vec4f) -> vec4f {
     if (lobe.times_cosine) {
         return max(above, vec4f(0.0));

@@ -184,7 +184,7 @@ struct Shifts {
     d: Four,
 }
 
-// What spheres leave of sixteen directions of a bundle, some of which were closed before.
+// The part that spheres leave of sixteen directions of a bundle, some of which were closed before.
 fn closed_by_spheres(
     before: Sixteen,
     bundle: Bundle,
@@ -241,7 +241,7 @@ fn light_of_lamp(first: u32, number: u32, receiver: Receiver, own: OwnPoint) -> 
             lamp_open(view, shifts.c, row + 6u, receiver, own), lamp_open(view, shifts.d, row + 9u, receiver, own));
         var open =
             closed_by_spheres(before, view.bundle, shifts, Sixteen(sharp, sharp, sharp, sharp), receiver, own);
-        // What fills up doesn't count.
+        // Directions that fill up don't count.
         let counted = vec4f(0.0, 1.0, 2.0, 3.0) + f32(16u * sixteen);
         let counts = Sixteen(counts_of(counted), counts_of(counted + 4.0), counts_of(counted + 8.0), counts_of(counted + 12.0));
         let cosines = Sixteen(
@@ -317,7 +317,7 @@ fn lobe_over_lamp(lobe: Lobe, lamp: LampView, shifts: Shifts, cosines: Sixteen, 
     return lobe.scale * dot_of(lit, Sixteen(a, b, c, d));
 }
 
-// What shines into a lobe: light as bright everywhere, a level of the map, or light of a lamp's cap alone.
+// Light that shines into a lobe: as bright everywhere, a level of the map, or light of a lamp's cap alone.
 struct Shining {
     // Mean over the lobe of what is everywhere or a map's, radiance of a lamp.
     light: vec3f,
@@ -414,7 +414,7 @@ fn add_along(
 ) -> Sums {
     var left = open * horizon(lobe, cosines_with(view.bundle, normal, shift), sharpness);
     if (shining.is_cap) {
-        // What of the cells isn't the lamp's.
+        // The part of the cells that isn't the lamp's.
         var dark = vec4f(1.0);
         if (lamp.may_hide) {
             dark = closed_before(dark, shift, sharpness, lamp);

@@ -225,7 +225,7 @@ fn rows_of_places(places: &[[f32; 3]]) -> impl Iterator<Item = [f32; 4]> {
     places.chunks(4).flat_map(|four| (0..3).map(|k| std::array::from_fn(|lane| four[lane][k])))
 }
 
-/// What objects reflect beside their diffuse part, as `mask/frame.wgsl` tells.
+/// Reflectance of objects beside their diffuse part, as `mask/frame.wgsl` tells.
 fn reflectances(scene: &Scene) -> Vec<u32> {
     let mut terms: Vec<Vec<Row>> = scene.objects.iter().map(|object| terms(&object.material.reflectance)).collect();
     // For what lies on no object.

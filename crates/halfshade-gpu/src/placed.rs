@@ -32,14 +32,14 @@ impl Placed<'_> {
         KernelSpace::around(origin, rotation, f64::from(extent))
     }
 
-    /// Of each sphere: centre and radius, then the object.
+    /// Rows of each sphere: centre and radius, then the object.
     pub(crate) fn sphere_rows(&self, scale: f32) -> impl Iterator<Item = [f32; 4]> {
         self.spheres.iter().flat_map(move |sphere| {
             [row(scale * Vec3::from(sphere.center), scale * sphere.radius), [sphere.object as f32, 0.0, 0.0, 0.0]]
         })
     }
 
-    /// Of each lamp: centre and radius of a sphere or direction and sine of a sun, then radiance and 1 for a sphere.
+    /// Rows of each lamp: centre and radius of a sphere or direction and sine of a sun, then radiance and 1 for a sphere.
     pub(crate) fn lamp_rows(&self, scale: f32) -> impl Iterator<Item = [f32; 4]> {
         self.lamps.iter().flat_map(move |&Lamp { place, radiance }| match place {
             LampPlace::Far { direction, sine } => [row(direction.into(), sine), row(radiance, 0.0)],

@@ -90,7 +90,7 @@ fn hidden(lamp: f64, cap: f64, apart: f64) -> f64 {
     if apart <= (lamp - cap).abs() {
         return within;
     }
-    // Of a spherical triangle with these sides, the angle that faces the first.
+    // The angle of a spherical triangle with these sides that faces the first.
     let facing = |a: f64, b: f64, c: f64| {
         let s = 0.5 * (a + b + c);
         let sine = |x: f64| x.sin().max(0.0);

@@ -91,7 +91,7 @@ pub(crate) fn power(exponent: f32, versine: f32x8) -> f32x8 {
     within.select((f32x8::splat(exponent) * log).exp(), f32x8::ZERO)
 }
 
-/// What a lobe has beside its power in directions with cosine `above`: the cosine, or how much of their cells is above the horizon.
+/// The factor of a lobe beside its power in directions with cosine `above`: the cosine, or how much of their cells is above the horizon.
 #[inline(always)]
 pub(crate) fn horizon(lobe: &Lobe, above: f32x8, sharpness: f32x8) -> f32x8 {
     if lobe.times_cosine {

@@ -59,7 +59,7 @@ pub(super) struct Receiver<'a> {
     lane: usize,
     own: Option<OwnView<'a>>,
     set: &'a DirectionSet,
-    /// What it shows to the eye beside its diffuse part, in light space.
+    /// Reflectance toward the eye beside the diffuse part, in light space.
     pub(super) lobes: Lobes,
 }
 
