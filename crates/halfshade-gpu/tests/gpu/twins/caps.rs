@@ -37,7 +37,7 @@ pub(super) fn placed_lamps(gpu: &Arc<Gpu>) -> Result<(), Failed> {
             [axis.x, axis.y, axis.z, sine, distance.max(radius), form]
         };
         let far = || [toward.x, toward.y, toward.z, sine, 0.0, cap_irradiance(toward.dot(normal), sine)];
-        let is_near = number % 2 == 0;
+        let is_near = number.is_multiple_of(2);
         let position = (0.5 * direction(&mut random)).as_vec3().as_dvec3();
         let center = (single(random.random_range(0.1..1.5)) * toward).as_vec3().as_dvec3();
         inputs.extend([row(if is_near { center } else { toward }, sine), row(normal, f64::from(u8::from(is_near)))]);

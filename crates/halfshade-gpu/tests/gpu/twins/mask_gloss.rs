@@ -20,7 +20,7 @@ fn row(vector: DVec3, last: f64) -> [f32; 4] {
 
 /// Exponents from 0 to those of mirrors.
 fn exponent(number: usize, random: &mut Pcg64Mcg) -> f64 {
-    if number % 16 == 0 { 0.0 } else { single(10f64.powf(random.random_range(-1.0..5.0))) }
+    if number.is_multiple_of(16) { 0.0 } else { single(10f64.powf(random.random_range(-1.0..5.0))) }
 }
 
 /// Heights of directions in units of the lobe's width, edges in units of the sharpest, powers a lobe's width away.

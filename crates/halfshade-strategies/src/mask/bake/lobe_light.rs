@@ -1,6 +1,6 @@
 //! Distant light as lobes of reflectance see it: its mean, weighted by a power of the cosine, by axis and exponent.
 //!
-//! A level for every power of two of e + 1 has the means at the nodes of a grid whose cells are about half as wide as the lobe. Between
+//! A level for every power of two of e + 1 has the means at the nodes of a grid whose cells are less than half as wide as the lobe. Between
 //! nodes and levels they are interpolated. The light is taken in cells of 2.8 degrees: beyond an exponent of 2,000 mirrors are
 //! blurred by as much.
 
@@ -18,11 +18,21 @@ const COLUMNS: usize = 128;
 /// The last level: its lobe is about as wide as a cell.
 const LAST_LEVEL: usize = 11;
 
-/// Most cells of a grid from its centre to its side.
+/// Fewest and most cells of a grid from its centre to its side.
+const FEWEST_CELLS: usize = 12;
 const MOST_CELLS: usize = 64;
 
 /// Powers below this are nothing.
 const LEAST_POWER: f64 = 1e-4;
+
+/// A cell of the light.
+#[derive(Debug, Clone, Copy)]
+struct Cell {
+    direction: DVec3,
+    /// In proportion to its solid angle.
+    weight: f64,
+    radiance: DVec3,
+}
 
 /// Means over lobes, in the environment's space.
 #[derive(Debug, Clone)]
@@ -45,7 +55,7 @@ impl LobeLight {
         match light {
             DistantLight::Constant(radiance) => Self { constant: *radiance, levels: Vec::new() },
             DistantLight::Map(map) => {
-                let cells = radiance_of_cells(map);
+                let cells = cells_of(map);
                 let level = |level: usize| Level::new(&cells, level);
                 Self { constant: Vec3::ZERO, levels: (0..=LAST_LEVEL).map(level).collect() }
             }
@@ -77,10 +87,10 @@ impl LobeLight {
 }
 
 impl Level {
-    fn new(cells: &[DVec3], level: usize) -> Self {
+    fn new(cells: &[Cell], level: usize) -> Self {
         let exponent = (1 << level) - 1;
-        let half = 2.0 * f64::from(exponent + 1).sqrt();
-        let grid = OctahedralGrid::new((half as usize).clamp(4, MOST_CELLS));
+        let half = 4.0 * f64::from(exponent + 1).sqrt();
+        let grid = OctahedralGrid::new((half as usize).clamp(FEWEST_CELLS, MOST_CELLS));
         let nodes = 0..grid.node_count();
         let means =
             nodes.into_par_iter().map(|node| mean(cells, grid.direction(node).as_dvec3().normalize(), exponent));
@@ -100,7 +110,7 @@ impl Level {
 }
 
 /// Mean radiance over `max(axis·ω, 0)^exponent`.
-fn mean(cells: &[DVec3], axis: DVec3, exponent: i32) -> Vec3 {
+fn mean(cells: &[Cell], axis: DVec3, exponent: i32) -> Vec3 {
     let least_cosine = LEAST_POWER.powf(1.0 / f64::from(exponent.max(1)));
     let reach = if exponent == 0 { 0.5 * PI } else { least_cosine.acos() };
     let row = |polar: f64| ((polar / PI * ROWS as f64) as usize).min(ROWS - 1);
@@ -109,12 +119,10 @@ fn mean(cells: &[DVec3], axis: DVec3, exponent: i32) -> Vec3 {
     // Lobes narrower than a cell see the ones around.
     let margin = PI / ROWS as f64;
     for row in row((polar - reach - margin).max(0.0))..=row((polar + reach + margin).min(PI)) {
-        let (sine, cosine) = (PI * (row as f64 + 0.5) / ROWS as f64).sin_cos();
-        for (column, radiance) in cells[row * COLUMNS..][..COLUMNS].iter().enumerate() {
-            let (sin, cos) = (TAU * ((column as f64 + 0.5) / COLUMNS as f64 - 0.5)).sin_cos();
-            let along = axis.dot(DVec3::new(sine * sin, cosine, -sine * cos));
+        for Cell { direction, weight, radiance } in &cells[row * COLUMNS..][..COLUMNS] {
+            let along = axis.dot(*direction);
             if along > 0.0 {
-                let weight = sine * along.powi(exponent);
+                let weight = weight * along.powi(exponent);
                 light += weight * *radiance;
                 whole += weight;
             }
@@ -123,10 +131,15 @@ fn mean(cells: &[DVec3], axis: DVec3, exponent: i32) -> Vec3 {
     (light / whole.max(f64::MIN_POSITIVE)).as_vec3()
 }
 
-/// Mean radiance of the cells, row by row.
-fn radiance_of_cells(map: &EnvironmentMap) -> Vec<DVec3> {
+/// The cells, row by row.
+fn cells_of(map: &EnvironmentMap) -> Vec<Cell> {
     let lit = DirectionalCells::new(map);
-    let mut radiance = vec![DVec3::ZERO; ROWS * COLUMNS];
+    let cell = |number: usize| {
+        let (sine, cosine) = (PI * ((number / COLUMNS) as f64 + 0.5) / ROWS as f64).sin_cos();
+        let (sin, cos) = (TAU * (((number % COLUMNS) as f64 + 0.5) / COLUMNS as f64 - 0.5)).sin_cos();
+        Cell { direction: DVec3::new(sine * sin, cosine, -sine * cos), weight: sine, radiance: DVec3::ZERO }
+    };
+    let mut cells: Vec<Cell> = (0..ROWS * COLUMNS).map(cell).collect();
     for (direction, vectors) in lit.direction.iter().zip(&lit.vector_irradiance) {
         let direction = direction.as_dvec3().normalize();
         let row = ((direction.y.clamp(-1.0, 1.0).acos() / PI * ROWS as f64) as usize).min(ROWS - 1);
@@ -134,9 +147,9 @@ fn radiance_of_cells(map: &EnvironmentMap) -> Vec<DVec3> {
         let column = ((turn * COLUMNS as f64) as usize).min(COLUMNS - 1);
         let edge = |row: usize| (PI * row as f64 / ROWS as f64).cos();
         let solid_angle = TAU / COLUMNS as f64 * (edge(row) - edge(row + 1));
-        radiance[row * COLUMNS + column] = DVec3::from(vectors.map(|v| v.as_dvec3().length())) / solid_angle;
+        cells[row * COLUMNS + column].radiance = DVec3::from(vectors.map(|v| v.as_dvec3().length())) / solid_angle;
     }
-    radiance
+    cells
 }
 
 #[cfg(test)]
