@@ -46,13 +46,25 @@ fn bit(first: u32, cell: u32) -> u32 {
 
 // The cells in which four directions lie.
 fn cells_of(x: vec4f, y: vec4f, z: vec4f, side: f32) -> vec4u {
+    let place = unfolded(x, y, z);
+    let half = vec4f(0.5 * side);
+    let column = clamp(floor(fma(place.u, half, half)), vec4f(0.0), vec4f(side - 1.0));
+    let line = clamp(floor(fma(place.v, half, half)), vec4f(0.0), vec4f(side - 1.0));
+    return vec4u(fma(line, vec4f(side), column));
+}
+
+struct Unfolded {
+    u: vec4f,
+    v: vec4f,
+}
+
+// Places on the square that the octahedron unfolds to, from -1 to 1.
+fn unfolded(x: vec4f, y: vec4f, z: vec4f) -> Unfolded {
     let size = max(abs(x) + abs(y) + abs(z), vec4f(SMALLEST));
     let inner_x = abs(x / size);
     let inner_z = abs(z / size);
-    let u = select(1.0 - inner_z, inner_x, y >= vec4f(0.0)) * select(vec4f(1.0), vec4f(-1.0), x < vec4f(0.0));
-    let v = select(1.0 - inner_x, inner_z, y >= vec4f(0.0)) * select(vec4f(1.0), vec4f(-1.0), z < vec4f(0.0));
-    let half = vec4f(0.5 * side);
-    let column = clamp(floor(fma(u, half, half)), vec4f(0.0), vec4f(side - 1.0));
-    let line = clamp(floor(fma(v, half, half)), vec4f(0.0), vec4f(side - 1.0));
-    return vec4u(fma(line, vec4f(side), column));
+    return Unfolded(
+        select(1.0 - inner_z, inner_x, y >= vec4f(0.0)) * select(vec4f(1.0), vec4f(-1.0), x < vec4f(0.0)),
+        select(1.0 - inner_x, inner_z, y >= vec4f(0.0)) * select(vec4f(1.0), vec4f(-1.0), z < vec4f(0.0)),
+    );
 }

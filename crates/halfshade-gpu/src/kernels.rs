@@ -67,6 +67,20 @@ const CAP: Twin = Twin {
     reason: "double precision on the CPU; atan2 may err by 4096 units in the last place",
 };
 
+const REST_IRRADIANCE: Twin = Twin {
+    shader: "shared/irradiance.wgsl",
+    cpu: "halfshade_strategies::shared::irradiance",
+    tolerance: 2e-5,
+    reason: "that of the place in a cell",
+};
+
+const PLACED_LAMPS: Twin = Twin {
+    shader: "shared/placed_lamps.wgsl",
+    cpu: "halfshade_strategies::shared::placed_lamps",
+    tolerance: 1e-4,
+    reason: "that of the cap",
+};
+
 const REFLECTANCE: Twin = Twin {
     shader: "common/reflectance.wgsl",
     cpu: "halfshade_scene::Reflectance::lobes",
@@ -349,6 +363,29 @@ pub const MASK: Kernel = Kernel {
         TANGENT_PLANE,
         OCTAHEDRAL,
         CAP,
+        REST_IRRADIANCE,
+        PLACED_LAMPS,
+        REFLECTANCE,
+        EYE_LOBES,
+        NEAR_ZERO,
+        Twin {
+            shader: "mask/bundle.wgsl",
+            cpu: "halfshade_strategies::mask::kernel::bundle",
+            tolerance: 1e-3,
+            reason: "differences of unit directions over the width of an edge before a small lamp",
+        },
+        Twin {
+            shader: "mask/lobe.wgsl",
+            cpu: "halfshade_strategies::mask::kernel::lobe",
+            tolerance: 1e-4,
+            reason: "powers, as those of the reflectance",
+        },
+        Twin {
+            shader: "mask/lobe_light.wgsl",
+            cpu: "halfshade_strategies::mask::bake::lobe_light",
+            tolerance: 1e-4,
+            reason: "the place between levels is a logarithm",
+        },
         Twin {
             shader: "mask/four.wgsl",
             cpu: "halfshade_strategies::shared::vector",
@@ -389,8 +426,28 @@ pub const MASK: Kernel = Kernel {
     buffers: &[RECEIVERS, &["frame", "rows", "tables", "cells"]],
 };
 
+/// Products of what spheres leave.
+pub const ANALYTIC: Kernel = Kernel {
+    name: "analytic",
+    shader: "analytic/shade.wgsl",
+    twins: &[
+        OCTAHEDRAL,
+        CAP,
+        REST_IRRADIANCE,
+        PLACED_LAMPS,
+        Twin {
+            shader: "analytic/overlap.wgsl",
+            cpu: "halfshade_strategies::analytic::kernel::overlap",
+            tolerance: 5e-4,
+            reason: "sectors less triangles, differences of about the same areas",
+        },
+    ],
+    buffers: &[RECEIVERS, &["frame", "rows", "tables"]],
+};
+
 /// All kernels.
-pub const KERNELS: &[Kernel] = &[UNSHADOWED, RAY_TRACED, RAY_TRACED_FILTER, SH_EXP, SH_EXP_EMIT, SHADOW_FIELD, MASK];
+pub const KERNELS: &[Kernel] =
+    &[UNSHADOWED, RAY_TRACED, RAY_TRACED_FILTER, SH_EXP, SH_EXP_EMIT, SHADOW_FIELD, MASK, ANALYTIC];
 
 /// All that has none.
 pub const MISSING: &[Missing] = &[
@@ -398,5 +455,4 @@ pub const MISSING: &[Missing] = &[
     Missing { cpu: "halfshade_strategies::shadow_field::shade::haar", instead: "basis=sh or device `cpu`" },
     Missing { cpu: "halfshade_strategies::shadow_field::shade::traced", instead: "sampling=adaptive or device `cpu`" },
     Missing { cpu: "halfshade_strategies::cosine_lobe", instead: "device `cpu`" },
-    Missing { cpu: "halfshade_strategies::analytic", instead: "device `cpu`" },
 ];

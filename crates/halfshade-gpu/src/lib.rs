@@ -5,6 +5,7 @@
 //! `shade` is kernels. The kernels are WGSL files in `shaders/`, with functions of the stem of the Rust file that they are
 //! the twin of; [`kernels::KERNELS`] lists the pairs.
 
+mod analytic;
 mod choice;
 mod device;
 mod error;
@@ -12,6 +13,7 @@ mod hierarchy;
 pub mod kernels;
 mod mask;
 mod pipeline;
+mod placed;
 pub mod probe;
 mod ray_traced;
 mod receivers;
@@ -25,6 +27,7 @@ mod unshadowed;
 #[cfg(test)]
 mod validation;
 
+pub use analytic::AnalyticOnGpu;
 pub use choice::Choice;
 pub use device::{AdapterFacts, Gpu, devices};
 pub use error::GpuError;
@@ -46,6 +49,7 @@ pub fn strategies(gpu: &Arc<Gpu>, cache: &Cache) -> Vec<Box<dyn Strategy>> {
         Box::new(RayTracedOnGpu::new(bench.clone())),
         Box::new(ShExpOnGpu::new(bench.clone())),
         Box::new(MaskOnGpu::new(bench.clone())),
+        Box::new(AnalyticOnGpu::new(bench.clone())),
         Box::new(ShadowFieldOnGpu::new(bench, cache.clone())),
     ]
 }

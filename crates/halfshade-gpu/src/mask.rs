@@ -1,28 +1,29 @@
-//! `mask` on the device: directions and what meshes hide from themselves stay there, spheres, boxes and lamps go up.
+//! `mask` on the device: directions, light over lobes and what meshes hide from themselves stay there, spheres, boxes
+//! and lamps go up.
 
 use crate::{
     GpuError,
     kernels::MASK,
-    receivers::KernelSpace,
-    rows::row,
+    pipeline::flag,
+    placed::{PLACED_ROWS, Placed, constant_or_cells, node_rows},
+    reflectance::{TERM_ROWS, terms},
+    rows::{Row, row},
     runner::{Bench, Runner, Uploaded},
 };
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use halfshade_scene::{
     Frame, Progress, Receivers, Scene,
-    light::DistantLight,
     spheres::{AdjustRule, COVER_HEIGHT, FADE_HEIGHT},
 };
 use halfshade_strategies::{
     Mask,
     mask::{
         BakedScene,
-        arrays::{FrameArrays, Lamp, LampPlace, OwnPoint, PlacedBox, SetArrays},
+        arrays::{FrameArrays, OwnPoint, PlacedBox, SetArrays},
     },
 };
 use halfshade_strategy::{Baked, Footprint, Info, Params, Prepared, Strategy, StrategyError};
-use std::f32::consts::PI;
 
 /// Places of the kernel's buffers in group 1.
 const ROWS: usize = 1;
@@ -44,6 +45,7 @@ pub struct MaskOnGpu {
 #[expect(missing_docs, reason = "fields are told of in `mask/frame.wgsl`")]
 pub struct FrameUniforms {
     pub constant: [f32; 4],
+    pub eye: [f32; 4],
     pub grid_cells: f32,
     pub normal_cells: f32,
     pub edge: f32,
@@ -58,13 +60,20 @@ pub struct FrameUniforms {
     pub sets: u32,
     pub spiral: u32,
     pub own_side: u32,
-    pub padding: [u32; 2],
+    pub levels: u32,
+    pub level_count: u32,
+    pub lobe_spiral: u32,
+    pub lobe_sixteens: u32,
+    pub objects: u32,
+    pub padding: u32,
 }
 
 struct BakedOnGpu {
     baked: BakedScene,
     runner: Runner,
     uniforms: FrameUniforms,
+    /// Terms of every object, as [`reflectances`] has them.
+    reflectances: Vec<u32>,
     /// Changes of the light, and directions into each lamp, for which tables are on the device.
     tables_of: Option<(u32, usize)>,
 }
@@ -88,7 +97,7 @@ impl Strategy for MaskOnGpu {
             AdjustRule::Covering => (1.0, COVER_HEIGHT),
             AdjustRule::Published => (2.0, 1.0),
         };
-        let constants = [("RULE", rule), ("FULL_HEIGHT", full_height)];
+        let constants = [("RULE", rule), ("FULL_HEIGHT", full_height), ("IS_GLOSSY", flag(scene.is_glossy()))];
         let runner = Runner::new(&self.bench, &MASK, None, &constants, size_of::<FrameUniforms>())?;
         let uniforms = FrameUniforms {
             normal_cells: arrays.normal_cells as f32,
@@ -96,7 +105,7 @@ impl Strategy for MaskOnGpu {
             own_side: arrays.own_side as u32,
             ..FrameUniforms::default()
         };
-        let mut baked = BakedOnGpu { baked, runner, uniforms, tables_of: None };
+        let mut baked = BakedOnGpu { baked, runner, uniforms, reflectances: reflectances(scene), tables_of: None };
         baked.write_cells(&[])?;
         Ok(Box::new(baked))
     }
@@ -114,6 +123,8 @@ impl BakedOnGpu {
             cells.extend([u32::from(point.is_some()), u32::from(known.is_all_open)]);
         }
         cells.extend(self.baked.own_words());
+        self.uniforms.objects = cells.len() as u32;
+        cells.extend(&self.reflectances);
         self.runner.write(CELLS, &cells)
     }
 
@@ -131,9 +142,19 @@ impl BakedOnGpu {
         self.uniforms.spiral = rows.len() as u32;
         let places = self.baked.lamp_places();
         self.uniforms.lamp_sixteens = light.1.div_ceil(16) as u32;
-        for four in places.chunks(4) {
-            rows.extend((0..3).map(|k| std::array::from_fn::<f32, 4, _>(|lane| four[lane][k])));
+        rows.extend(rows_of_places(&places));
+        self.uniforms.lobe_spiral = rows.len() as u32;
+        let places = self.baked.lobe_places();
+        self.uniforms.lobe_sixteens = (places.len() / 16) as u32;
+        rows.extend(rows_of_places(&places));
+        self.uniforms.levels = rows.len() as u32;
+        self.uniforms.level_count = self.baked.lobe_levels().count() as u32;
+        let mut first = self.uniforms.level_count as usize;
+        for (cells, means) in self.baked.lobe_levels() {
+            rows.push([first as f32, cells as f32, 0.0, 0.0]);
+            first += means.len();
         }
+        rows.extend(self.baked.lobe_levels().flat_map(|(_, means)| means).map(|mean| row(*mean, 0.0)));
         self.runner.write(TABLES, &rows)?;
         self.tables_of = Some(light);
         Ok(())
@@ -141,26 +162,24 @@ impl BakedOnGpu {
 
     fn prepare_on_device(&mut self, frame: &Frame<'_>) -> Result<(), StrategyError> {
         let arrays = self.baked.frame_arrays(frame)?;
-        let space = space_of(&arrays);
-        let rows = rows_of_frame(&arrays, space.scale as f32);
+        let placed = Placed { spheres: arrays.spheres, lamps: arrays.lamps };
+        let space = placed.space(arrays.rotation, arrays.origin, arrays.boxes.iter().map(|placed| placed.center));
+        let rows = rows_of_frame(&arrays, &placed, space.scale as f32);
         let spheres = arrays.spheres.len() as u32;
         let (boxes, lamps) = (arrays.boxes.len() as u32, arrays.lamps.len() as u32);
         let light = (arrays.light_changes, arrays.lamp_directions);
-        let irradiance: Vec<[f32; 4]> = arrays.rest.table.iter().map(|value| row(*value, 0.0)).collect();
-        let (constant, grid_cells) = match &arrays.rest.base {
-            DistantLight::Constant(radiance) => (PI * *radiance, 0.0),
-            DistantLight::Map(_) => (Vec3::ZERO, arrays.rest.grid.cells() as f32),
-        };
+        let (irradiance, (constant, grid_cells)) = (node_rows(arrays.rest), constant_or_cells(arrays.rest));
         self.write_tables(light, &irradiance)?;
         self.uniforms = FrameUniforms {
-            constant: row(constant, 0.0),
+            constant,
+            eye: space.place(frame.scene.camera.eye.as_dvec3()).extend(0.0).as_vec4().to_array(),
             grid_cells,
             lamp_directions: light.1 as f32,
             sphere_count: spheres,
             box_count: boxes,
             lamp_count: lamps,
-            boxes: 2 * spheres,
-            lamps: 2 * spheres + 5 * boxes,
+            boxes: PLACED_ROWS as u32 * spheres,
+            lamps: PLACED_ROWS as u32 * spheres + 5 * boxes,
             ..self.uniforms
         };
         self.runner.write_uniforms(&self.uniforms);
@@ -191,37 +210,34 @@ impl Baked for BakedOnGpu {
     }
 }
 
-/// Light space, scaled so that everything has coordinates near 1.
-fn space_of(arrays: &FrameArrays<'_>) -> KernelSpace {
-    let reach = |center: [f32; 3], radius: f32| center.map(|x| x.abs() + radius).into_iter().fold(0.0, f32::max);
-    let spheres = arrays.spheres.iter().map(|sphere| reach(sphere.center, sphere.radius));
-    let boxes = arrays.boxes.iter().map(|placed| reach(placed.center, 0.0));
-    let lamps = arrays.lamps.iter().map(|lamp| match lamp.place {
-        LampPlace::Far { .. } => 0.0,
-        LampPlace::Near { center, .. } => reach(center, 0.0),
+/// Spheres, boxes and lamps, as `mask/frame.wgsl` tells.
+fn rows_of_frame(arrays: &FrameArrays<'_>, placed: &Placed<'_>, scale: f32) -> Vec<[f32; 4]> {
+    let boxes = arrays.boxes.iter().flat_map(|&PlacedBox { center, half, rotation, object }| {
+        let [center, half] = [center, half].map(|vector| scale * Vec3::from(vector));
+        let axes = rotation.map(|axis| row(axis.into(), 0.0));
+        [row(center, object as f32), row(half, 0.0)].into_iter().chain(axes)
     });
-    let extent = spheres.chain(boxes).chain(lamps).fold(0.0, f32::max);
-    KernelSpace::around(arrays.origin, arrays.rotation, f64::from(extent))
+    placed.sphere_rows(scale).chain(boxes).chain(placed.lamp_rows(scale)).collect()
 }
 
-/// Spheres, boxes and lamps, as `mask/frame.wgsl` tells.
-fn rows_of_frame(arrays: &FrameArrays<'_>, scale: f32) -> Vec<[f32; 4]> {
-    let scaled = |point: [f32; 3]| scale * Vec3::from(point);
-    let mut rows = Vec::new();
-    for sphere in arrays.spheres {
-        rows.extend([row(scaled(sphere.center), scale * sphere.radius), [sphere.object as f32, 0.0, 0.0, 0.0]]);
+/// Places of a spiral four by four.
+fn rows_of_places(places: &[[f32; 3]]) -> impl Iterator<Item = [f32; 4]> {
+    places.chunks(4).flat_map(|four| (0..3).map(|k| std::array::from_fn(|lane| four[lane][k])))
+}
+
+/// Reflectance of objects beside their diffuse part, as `mask/frame.wgsl` tells.
+fn reflectances(scene: &Scene) -> Vec<u32> {
+    let mut terms: Vec<Vec<Row>> = scene.objects.iter().map(|object| terms(&object.material.reflectance)).collect();
+    // For what lies on no object.
+    terms.push(Vec::new());
+    let mut numbers = Vec::new();
+    let mut first = 2 * terms.len();
+    for of_object in &terms {
+        numbers.extend([first as u32, (of_object.len() / TERM_ROWS) as u32]);
+        first += 4 * of_object.len();
     }
-    for &PlacedBox { center, half, rotation, object } in arrays.boxes {
-        rows.extend([row(scaled(center), object as f32), row(scaled(half), 0.0)]);
-        rows.extend(rotation.map(|axis| row(axis.into(), 0.0)));
-    }
-    for &Lamp { place, radiance } in arrays.lamps {
-        rows.extend(match place {
-            LampPlace::Far { direction, sine } => [row(direction.into(), sine), row(radiance, 0.0)],
-            LampPlace::Near { center, radius } => [row(scaled(center), scale * radius), row(radiance, 1.0)],
-        });
-    }
-    rows
+    numbers.extend(terms.iter().flatten().flatten());
+    numbers
 }
 
 /// Directions four by four, as `mask/frame.wgsl` tells.

@@ -1,6 +1,7 @@
 //! Single functions of the shaders, called with rows of numbers: for tests that hold each twin to double precision.
 
 pub use crate::{
+    analytic::FrameUniforms as AnalyticFrame,
     mask::FrameUniforms as MaskFrame,
     ray_traced::buffers::RayBuffers,
     sh_exp::{

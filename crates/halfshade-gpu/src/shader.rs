@@ -12,6 +12,9 @@ macro_rules! sources {
 }
 
 sources! {
+    "analytic/frame.wgsl"
+    "analytic/overlap.wgsl"
+    "analytic/shade.wgsl"
     "common/cap.wgsl"
     "common/constants.wgsl"
     "common/eye_lobes.wgsl"
@@ -20,11 +23,14 @@ sources! {
     "common/receivers.wgsl"
     "common/reflectance.wgsl"
     "mask/boxes.wgsl"
+    "mask/bundle.wgsl"
     "mask/cap.wgsl"
     "mask/directions.wgsl"
     "mask/four.wgsl"
     "mask/frame.wgsl"
     "mask/lamp.wgsl"
+    "mask/lobe.wgsl"
+    "mask/lobe_light.wgsl"
     "mask/own.wgsl"
     "mask/shade.wgsl"
     "ray_traced/cutout.wgsl"
@@ -65,6 +71,8 @@ sources! {
     "shadow_field/shade.wgsl"
     "shadow_field/shell_coordinates.wgsl"
     "shadow_field/shell_grid.wgsl"
+    "shared/irradiance.wgsl"
+    "shared/placed_lamps.wgsl"
     "shared/tangent_plane.wgsl"
     "unshadowed/shade.wgsl"
 }

@@ -1,6 +1,8 @@
 //! Shaders without a device: every kernel is parsed and validated, and its structs lie as those of the Rust that fills them.
 
-use crate::{hierarchy::Node, kernels::KERNELS, mask, ray_traced, receivers, sh_exp, shader, shadow_field, unshadowed};
+use crate::{
+    analytic, hierarchy::Node, kernels::KERNELS, mask, ray_traced, receivers, sh_exp, shader, shadow_field, unshadowed,
+};
 use halfshade_sh::wgsl::MAX_WGSL_BANDS;
 use naga::{
     Module, TypeInner,
@@ -270,6 +272,7 @@ fn structs_lie_in_rust_as_in_wgsl() {
     type Masks = mask::FrameUniforms;
     let masks = vec![
         offset_of!(Masks, constant),
+        offset_of!(Masks, eye),
         offset_of!(Masks, grid_cells),
         offset_of!(Masks, normal_cells),
         offset_of!(Masks, edge),
@@ -284,7 +287,23 @@ fn structs_lie_in_rust_as_in_wgsl() {
         offset_of!(Masks, sets),
         offset_of!(Masks, spiral),
         offset_of!(Masks, own_side),
+        offset_of!(Masks, levels),
+        offset_of!(Masks, level_count),
+        offset_of!(Masks, lobe_spiral),
+        offset_of!(Masks, lobe_sixteens),
+        offset_of!(Masks, objects),
         offset_of!(Masks, padding),
     ];
     assert_eq!(layout(&module, "Frame"), (size_of::<Masks>(), masks));
+
+    let (module, _) = valid("analytic", &shader::module("analytic/shade.wgsl", None));
+    type Closed = analytic::FrameUniforms;
+    let closed = vec![
+        offset_of!(Closed, constant),
+        offset_of!(Closed, grid_cells),
+        offset_of!(Closed, sphere_count),
+        offset_of!(Closed, lamp_count),
+        offset_of!(Closed, padding),
+    ];
+    assert_eq!(layout(&module, "Frame"), (size_of::<Closed>(), closed));
 }

@@ -5,6 +5,7 @@
 mod beside_the_cpu;
 mod clocks;
 mod few_receivers;
+mod mask;
 mod rays;
 mod shadow_field;
 mod surfaces;
@@ -12,7 +13,7 @@ mod twins;
 
 use halfshade_gpu::{Choice, Gpu, strategies};
 use halfshade_scene::Cache;
-use halfshade_strategies::{Mask, RayTraced, ShExp, ShadowField, Unshadowed};
+use halfshade_strategies::{Analytic, Mask, RayTraced, ShExp, ShadowField, Unshadowed};
 use halfshade_strategy::{
     Params, Strategy,
     contract::{self, Bounds, Violation},
@@ -130,6 +131,12 @@ fn main() -> ExitCode {
             Box::new(move |all| rays::shades_gloss([on(&all, "ray-traced"), cpu("ray-traced").as_ref()], settings)),
         );
     }
+    for settings in MASKS {
+        add(
+            format!("mask({settings})::shades_gloss_as_on_the_cpu"),
+            Box::new(move |all| mask::shades_gloss([on(&all, "mask"), cpu("mask").as_ref()], settings)),
+        );
+    }
     add(
         "ray-traced::passes_through_holes_as_on_the_cpu".to_owned(),
         Box::new(|all| rays::passes_through_holes([on(&all, "ray-traced"), cpu("ray-traced").as_ref()])),
@@ -177,8 +184,10 @@ fn subjects() -> Vec<(&'static str, &'static str, Bounds)> {
     let few_bands = Bounds { constant: 0.02, quadrature: 0.5, gloss: 3.0, rotation: 0.1, brightening: 0.2 };
     subjects.push(("shadow-field", FIELDS, few_bands));
     // Directions don't turn with the scene.
-    let directions = Bounds { rotation: 0.15, brightening: 1e-4, ..table };
+    let directions = Bounds { rotation: 0.15, brightening: 1e-4, gloss: 0.15, ..table };
     subjects.extend(MASKS.map(|settings| ("mask", settings, directions)));
+    let closed_forms = Bounds { brightening: 1e-5, ..table };
+    subjects.extend(["", "own=spheres"].map(|settings| ("analytic", settings, closed_forms)));
     subjects
 }
 
@@ -210,6 +219,7 @@ fn cpu(name: &str) -> Box<dyn Strategy> {
         "unshadowed" => Box::new(Unshadowed),
         "ray-traced" => Box::new(RayTraced),
         "mask" => Box::new(Mask),
+        "analytic" => Box::new(Analytic),
         "shadow-field" => Box::new(ShadowField::new(CACHE.clone())),
         _ => Box::new(ShExp),
     }

@@ -21,6 +21,7 @@
 //!
 //! **Bounds.** Radiance lies between 0 and what arrives unshadowed, and a blocker more never brightens.
 
+pub mod arrays;
 mod kernel;
 mod prepare;
 mod settings;
@@ -30,7 +31,7 @@ use crate::shared::{blockers::Blockers, divided_light::DividedLight};
 use halfshade_scene::{Frame, Progress, Scene};
 use halfshade_strategy::{Baked, Effect, Effects, Footprint, Info, Params, Prepared, Strategy, StrategyError};
 use prepare::frame::FrameData;
-use settings::{Own, Settings};
+use settings::Settings;
 use shade::Shader;
 
 /// The strategy.
@@ -39,11 +40,13 @@ pub struct Analytic;
 
 /// Light of the scene, and data of the last frame.
 #[derive(Debug)]
-struct BakedScene {
+pub struct BakedScene {
     settings: Settings,
     light: DividedLight,
     blockers: Blockers,
-    frame: Option<FrameData>,
+    frame: FrameData,
+    /// How often the light has become another one.
+    light_changes: u32,
 }
 
 impl Strategy for Analytic {
@@ -59,9 +62,35 @@ impl Strategy for Analytic {
     }
 
     fn bake(&self, scene: &Scene, params: &Params, _: &dyn Progress) -> Result<Box<dyn Baked>, StrategyError> {
+        Ok(Box::new(Self::bake_scene(scene, params)))
+    }
+}
+
+impl Analytic {
+    /// [`Strategy::bake`], for who reads the arrays of its frames.
+    pub fn bake_scene(scene: &Scene, params: &Params) -> BakedScene {
         let settings = Settings::read(params);
-        let light = DividedLight::new(&scene.environment.base, settings.environment_lamps);
-        Ok(Box::new(BakedScene { settings, light, blockers: Blockers::new(scene), frame: None }))
+        BakedScene {
+            light: DividedLight::new(&scene.environment.base, settings.environment_lamps),
+            blockers: Blockers::new(scene),
+            settings,
+            frame: FrameData::default(),
+            light_changes: 0,
+        }
+    }
+}
+
+impl BakedScene {
+    /// Brings everything up to a frame.
+    fn prepare_frame(&mut self, frame: &Frame<'_>) -> Result<(), StrategyError> {
+        if frame.scene.objects.len() != self.blockers.object_count() {
+            return Err(StrategyError::Failed("the frame is of another scene than was baked".into()));
+        }
+        if self.light.set(&frame.scene.environment.base) {
+            self.light_changes += 1;
+        }
+        self.frame = FrameData::new(frame, &self.blockers, &self.light);
+        Ok(())
     }
 }
 
@@ -70,22 +99,14 @@ impl Baked for BakedScene {
         Footprint {
             parts: vec![
                 ("irradiance over normals", self.light.bytes()),
-                ("spheres and lamps", self.frame.as_ref().map_or(0, FrameData::bytes)),
+                ("spheres and lamps", self.frame.bytes()),
                 ("bindings", self.blockers.bytes()),
             ],
         }
     }
 
     fn prepare(&mut self, frame: &Frame<'_>) -> Result<Box<dyn Prepared + '_>, StrategyError> {
-        if frame.scene.objects.len() != self.blockers.object_count() {
-            return Err(StrategyError::Failed("the frame is of another scene than was baked".into()));
-        }
-        self.light.set(&frame.scene.environment.base);
-        let data = FrameData::new(frame, &self.blockers, &self.light);
-        Ok(Box::new(Shader {
-            frame: self.frame.insert(data),
-            rest: &self.light.rest,
-            sees_own: self.settings.own == Own::Spheres,
-        }))
+        self.prepare_frame(frame)?;
+        Ok(Box::new(Shader { frame: &self.frame, rest: &self.light.rest, sees_own: self.sees_own() }))
     }
 }

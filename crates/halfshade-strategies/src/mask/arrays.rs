@@ -6,9 +6,9 @@ pub use crate::shared::{
     placed_lamps::{Lamp, LampPlace},
 };
 
-use super::{BakedScene, kernel::directions::DirectionSet};
+use super::{BakedScene, kernel::directions::DirectionSet, shade::GlossTables};
 use crate::shared::irradiance::Irradiance;
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, Vec3};
 use halfshade_scene::{Frame, Receivers, spheres::AdjustRule};
 use halfshade_strategy::StrategyError;
 use std::sync::Arc;
@@ -120,6 +120,23 @@ impl BakedScene {
         eight
             .flat_map(|(within, [cos, sin])| (0..8).map(move |lane| [within, cos, sin].map(|of| lane_of(of, lane))))
             .collect()
+    }
+
+    /// Directions along every lobe, a multiple of 16: -log of the part of the lobe without, cosine and sine of the turn. None
+    /// where nothing is glossy.
+    pub fn lobe_places(&self) -> Vec<[f32; 3]> {
+        let Some(GlossTables { spiral, .. }) = &self.gloss else { return Vec::new() };
+        let eight = spiral.logs.iter().zip(&spiral.turn);
+        eight
+            .flat_map(|(log, [cos, sin])| (0..8).map(move |lane| [log, cos, sin].map(|of| lane_of(of, lane))))
+            .collect()
+    }
+
+    /// Light over lobes, level by level: cells of its grid from the centre to the side, and means at the nodes. None under constant
+    /// light.
+    pub fn lobe_levels(&self) -> impl Iterator<Item = (usize, &[Vec3])> {
+        let levels = self.gloss.iter().flat_map(|gloss| &gloss.light.levels);
+        levels.map(|level| (level.grid.cells(), level.means.as_slice()))
     }
 
     /// Words of the cells that are open, mesh after mesh.

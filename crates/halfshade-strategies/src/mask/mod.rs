@@ -25,15 +25,28 @@
 //! minimum. A table of closed directions by axis and radius needs fewer, but would be one per set of directions, more than a
 //! cache holds, and has neither edges nor lamps.
 //!
+//! **Gloss.** A lobe `s max(a·ω, 0)^e` toward the eye is looked along in K/2 directions of its own, spread as the lobe is however
+//! sharp that is (`kernel/lobe.rs`), which the same spheres, mesh and boxes close; the horizon closes a part of a cell as well. The light
+//! over the whole lobe is known, of a map by a table over axes and exponents (`bake/lobe_light.rs`), and multiplied by the share that is
+//! left:
+//!
+//! ```text
+//! L = s · ∫ L_env(ω) max(a·ω, 0)^e dω · Σ_k v_k q_k c_k / Σ_k q_k
+//! ```
+//!
+//! with q_k the map's mean over a direction's cell and c_k the cosine, or how much of the cell is above the horizon. Lamps add to a
+//! lobe by the narrower of both: by the directions into the lamp, which are known already, or, where the lobe is narrower, by
+//! those along the lobe, the cells of which the lamp fills in part. Where nothing is glossy none of this takes time.
+//!
 //! **Own object.** `own=baked` traces once what each mesh hides from its vertices (`kernel/own.rs`), which is interpolated between them,
 //! and leaves the object's own spheres out. Objects that deform, and receivers that lie nowhere on a mesh or are seen from
 //! behind, fall back on the spheres.
 //!
 //! **Ground.** Objects without spheres hide light from others if they are boxes or rectangles; any other is seen by itself alone.
 //!
-//! **Bounds.** Radiance lies between 0 and what arrives unshadowed, by its form; a blocker more never brightens.
+//! **Bounds.** Diffuse radiance lies between 0 and what arrives unshadowed, by its form; a blocker more never brightens.
 //!
-//! **Limits.** Directions are few: a lamp's penumbra has as many steps as it is looked into. Spheres that cut the receiver's tangent
+//! **Limits.** Mirrors show a map in cells of 2.8 degrees. Directions are few: a lamp's penumbra has as many steps as it is looked into. Spheres that cut the receiver's tangent
 //! plane follow the rules of [Guerrero2007, 4.2].
 
 pub mod arrays;
@@ -47,14 +60,15 @@ use crate::shared::{blockers::Blockers, by_mesh::distinct, divided_light::Divide
 use bake::{
     boxes::{SolidBox, solid_box},
     directions::{DirectionSets, Drawing},
+    lobe_light::LobeLight,
     own::{OwnMesh, own_meshes},
 };
 use halfshade_scene::{Frame, Progress, Scene};
 use halfshade_strategy::{Baked, Effect, Effects, Footprint, Info, Params, Prepared, Strategy, StrategyError};
-use kernel::lamp::Spiral;
+use kernel::{lamp::Spiral, lobe::LobeSpiral};
 use prepare::frame::FrameData;
 use settings::{Own, PRESETS, Settings};
-use shade::Shader;
+use shade::{GlossTables, Shader};
 use std::sync::Arc;
 
 /// The strategy.
@@ -75,6 +89,8 @@ pub struct BakedScene {
     light: DividedLight,
     sets: DirectionSets,
     spiral: Spiral,
+    /// Where anything is glossy.
+    gloss: Option<GlossTables>,
     own: Vec<Option<Arc<OwnMesh>>>,
     boxes: Vec<Option<SolidBox>>,
     blockers: Blockers,
@@ -91,7 +107,7 @@ impl Strategy for Mask {
             source: "[Debevec2005]",
             parameters: Settings::parameters(),
             presets: PRESETS,
-            effects: Effects::of(&Effect::DIRECT),
+            effects: Effects::of(&Effect::DIRECT).with(Effect::GlossyReflectance),
         }
     }
 
@@ -120,8 +136,12 @@ impl BakedScene {
         Self {
             sets: DirectionSets::new(&light.rest.base, &drawing),
             drawing,
-            light,
             spiral: Spiral::new(settings.directions),
+            gloss: scene.is_glossy().then(|| GlossTables {
+                spiral: LobeSpiral::new((settings.directions / 2).next_multiple_of(16)),
+                light: LobeLight::new(&light.rest.base),
+            }),
+            light,
             own,
             boxes: scene.objects.iter().map(solid_box).collect(),
             blockers: Blockers::new(scene),
@@ -138,6 +158,9 @@ impl BakedScene {
         }
         if self.light.set(&frame.scene.environment.base) {
             self.sets = DirectionSets::new(&self.light.rest.base, &self.drawing);
+            if let Some(gloss) = &mut self.gloss {
+                gloss.light = LobeLight::new(&self.light.rest.base);
+            }
             self.light_changes += 1;
         }
         self.frame = FrameData::new(frame, &self.blockers, &self.boxes, &self.light);
@@ -161,6 +184,7 @@ impl Baked for BakedScene {
             parts: vec![
                 ("directions", self.sets.bytes()),
                 ("irradiance over normals", self.light.bytes()),
+                ("light over lobes", self.gloss.as_ref().map_or(0, |gloss| gloss.light.bytes())),
                 ("own visibility", own.map(|own| size_of_val(own.cells.words.as_slice())).sum()),
                 ("spheres, boxes and lamps", self.frame.bytes()),
                 ("bindings", self.blockers.bytes()),
@@ -176,6 +200,7 @@ impl Baked for BakedScene {
             spiral: &self.spiral,
             own: &self.own,
             rest: &self.light.rest,
+            gloss: self.gloss.as_ref(),
             rule: self.settings.rule.into(),
             edge: self.drawing.edge,
         }))

@@ -16,7 +16,8 @@ choice! {
 settings! {
     /// Everything that can be set.
     pub(crate) struct Settings {
-        /// directions that each receiver looks into: as many of the sky, and as many shared by all lamps
+        /// directions that each receiver looks into: as many of the sky, as many shared by all lamps, half as many along each
+        /// glossy lobe
         "directions" => directions: usize = 64, in 8..=1024;
         /// cells of the grid of normals that have directions of their own, from its centre to its side; 0: one set for all
         "normals" => normals: usize = 3, in 0..=8;

@@ -1,4 +1,5 @@
 //! A mask of directions against closed forms, quadrature and the truth.
 
+mod gloss;
 mod meshes;
 mod plane;

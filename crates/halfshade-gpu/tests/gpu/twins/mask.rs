@@ -203,8 +203,9 @@ pub(super) fn lamp(gpu: &Arc<Gpu>) -> Result<(), Failed> {
         let sine = input[2].w;
         let cosine = sqrt((1.0 - sine) * (1.0 + sine));
         let cap = Cap(input[2].xyz / sine, cosine / sine, 1.0, sine / (1.0 + cosine));
-        let before = lamp_cap(view, cap);
-        output[0] = select(vec4f(1.0), closed_before(vec4f(1.0), shift, view, before), before.may_hide);";
+        let before = cap_before(view.bundle, cap);
+        let sharpness = vec4f(view.bundle.sharpness);
+        output[0] = select(vec4f(1.0), closed_before(vec4f(1.0), shift, sharpness, before), before.may_hide);";
     let shader = "mask/lamp.wgsl";
     let variables = [Variable::storage_struct(0, "frame", &frame)];
     let probe = Probe { shader, bands: None, constants: &RULE, rows: [3, 1], body, variables: &variables };

@@ -1,11 +1,13 @@
 //! Functions of the shaders, one by one, beside double precision: random inputs and extremes.
 
+mod caps;
 mod combinations;
 mod distant_light;
 mod fields;
 mod irradiance;
 mod light;
 mod mask;
+mod mask_gloss;
 mod product;
 mod rays;
 mod receivers;
@@ -65,12 +67,17 @@ pub(super) const TESTS: &[(&str, Test)] = &[
     ("stops", product::stops),
     ("traverse", traverse::traverse),
     ("cutout", traverse::cutout),
+    ("placed_lamps", caps::placed_lamps),
+    ("overlap", caps::overlap),
+    ("rest_irradiance", caps::rest_irradiance),
     ("mask_four", mask::four),
     ("mask_cap", mask::cap),
     ("mask_directions", mask::directions),
     ("mask_boxes", mask::boxes),
     ("mask_own", mask::own),
     ("mask_lamp", mask::lamp),
+    ("mask_lobe", mask_gloss::lobe),
+    ("mask_lobe_light", mask_gloss::lobe_light),
 ];
 
 /// Calls per test.

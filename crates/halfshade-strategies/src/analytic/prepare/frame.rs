@@ -10,7 +10,7 @@ use glam::DVec3;
 use halfshade_scene::Frame;
 
 /// Spheres and lamps of a frame.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct FrameData {
     pub(crate) space: LightSpace,
     pub(crate) spheres: Vec<BlockingSphere>,

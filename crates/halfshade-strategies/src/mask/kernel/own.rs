@@ -82,17 +82,24 @@ impl OwnView<'_> {
 
 /// The cells in which eight directions lie; a direction of 0 has that of the pole.
 #[inline(always)]
-fn cells_of([x, y, z]: &[f32x8; 3], side: usize) -> [i32; 8] {
+fn cells_of(direction: &[f32x8; 3], side: usize) -> [i32; 8] {
+    let (half, last) = (f32x8::splat(0.5 * side as f32), f32x8::splat(side as f32 - 1.0));
+    let [column, line] =
+        unfolded(direction).map(|at| at.mul_add(half, half).floor().fast_max(f32x8::ZERO).fast_min(last));
+    // Whole numbers far below 2^24: exact.
+    line.mul_add(f32x8::splat(side as f32), column).fast_trunc_int().to_array()
+}
+
+/// Places on the square that the octahedron unfolds to, from -1 to 1.
+#[inline(always)]
+pub(crate) fn unfolded([x, y, z]: &[f32x8; 3]) -> [f32x8; 2] {
     let size = (x.abs() + y.abs() + z.abs()).fast_max(f32x8::splat(f32::MIN_POSITIVE));
     let per_size = f32x8::ONE / size;
     let (x_part, z_part) = ((*x * per_size).abs(), (*z * per_size).abs());
     let upper = y.simd_ge(f32x8::ZERO);
     let u = upper.select(x_part, f32x8::ONE - z_part).copysign(*x);
     let v = upper.select(z_part, f32x8::ONE - x_part).copysign(*z);
-    let (half, last) = (f32x8::splat(0.5 * side as f32), f32x8::splat(side as f32 - 1.0));
-    let place = |at: f32x8| at.mul_add(half, half).floor().fast_max(f32x8::ZERO).fast_min(last);
-    // Whole numbers far below 2^24: exact.
-    place(v).mul_add(f32x8::splat(side as f32), place(u)).fast_trunc_int().to_array()
+    [u, v]
 }
 
 #[cfg(test)]

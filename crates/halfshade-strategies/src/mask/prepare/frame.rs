@@ -10,7 +10,7 @@ use crate::{
     },
 };
 use glam::DVec3;
-use halfshade_scene::{Frame, Pose};
+use halfshade_scene::{EyeLobes, Frame, Pose};
 
 /// Spheres, boxes and lamps of a frame.
 #[derive(Debug, Default)]
@@ -19,6 +19,8 @@ pub(crate) struct FrameData {
     pub(crate) spheres: Vec<BlockingSphere>,
     pub(crate) boxes: Vec<PlacedBox>,
     pub(crate) lamps: Vec<Lamp>,
+    /// Where anything is glossy.
+    pub(crate) eye_lobes: Option<EyeLobes>,
     /// Rows of the rotation into the space of each object.
     pub(crate) object_from_light: Vec<[[f32; 3]; 3]>,
 }
@@ -44,6 +46,7 @@ impl FrameData {
             spheres: blocking_spheres(&by_object, &space),
             boxes: boxes.collect(),
             lamps: placed_lamps(frame, light.suns(&frame.scene.environment), |point| space.point(point)),
+            eye_lobes: EyeLobes::new(frame),
             object_from_light: frame.world_from_object.iter().map(|pose| space.rows_into_object(pose)).collect(),
             space,
         }

@@ -4,37 +4,63 @@ use super::shader::Shader;
 use crate::{
     mask::kernel::{
         boxes::BoxView,
+        bundle::Bundle,
         cap::{Cap8, Receivers8},
         directions::{BLOCK, DirectionSet, Sums, close},
         lamp::LampView,
+        lobe::cosines,
         own::OwnView,
     },
-    shared::placed_lamps::{Lamp, LampPlace},
+    shared::placed_lamps::Lamp,
 };
 use glam::Vec3;
-use halfshade_scene::{RadianceMut, Receivers};
+use halfshade_scene::{RadianceMut, Receivers, lobe::Lobes};
 use std::{f32::consts::PI, ops::Range};
 use wide::f32x8;
 
 /// Memory that batches share.
 pub(super) struct Batch<'a> {
-    shader: &'a Shader<'a>,
+    pub(super) shader: &'a Shader<'a>,
     /// The view of each sphere that any of the eight sees.
     caps: Vec<Cap8>,
     /// Boxes that the receiver at hand may see.
     boxes: Vec<BoxView<'a>>,
-    /// Directions of the lamp at hand less its middle, and what is open of them.
-    shifts: Vec<[f32x8; 3]>,
-    open: Vec<f32x8>,
+    /// The bundle at hand.
+    pub(super) looks: Looks,
+    /// Directions of a lobe that don't meet the lamp at hand.
+    pub(super) dark: Vec<f32x8>,
+}
+
+/// Directions of a bundle less its axis, how sharp edges are there, and what is open of them.
+#[derive(Debug, Default)]
+pub(super) struct Looks {
+    pub(super) shifts: Vec<[f32x8; 3]>,
+    pub(super) sharpness: Vec<f32x8>,
+    pub(super) open: Vec<f32x8>,
+}
+
+impl Looks {
+    fn clear(&mut self) {
+        self.shifts.clear();
+        self.sharpness.clear();
+        self.open.clear();
+    }
+
+    /// Eight by eight: shifts, what is open, sharpness.
+    pub(super) fn groups(&self) -> impl Iterator<Item = ((&[f32x8; 3], &f32x8), &f32x8)> {
+        self.shifts.iter().zip(&self.open).zip(&self.sharpness)
+    }
 }
 
 /// One of the eight.
-struct Receiver<'a> {
+pub(super) struct Receiver<'a> {
     position: Vec3,
-    normal: Vec3,
+    pub(super) normal: Vec3,
     lane: usize,
     own: Option<OwnView<'a>>,
     set: &'a DirectionSet,
+    /// Reflectance toward the eye beside the diffuse part, in light space.
+    pub(super) lobes: Lobes,
 }
 
 impl<'a> Batch<'a> {
@@ -43,8 +69,8 @@ impl<'a> Batch<'a> {
             shader,
             caps: Vec::with_capacity(shader.frame.spheres.len()),
             boxes: Vec::with_capacity(shader.frame.boxes.len()),
-            shifts: Vec::with_capacity(shader.spiral.within.len()),
-            open: Vec::with_capacity(shader.spiral.within.len()),
+            looks: Looks::default(),
+            dark: Vec::new(),
         }
     }
 
@@ -62,6 +88,7 @@ impl<'a> Batch<'a> {
                 lane,
                 own: shader.own_view(&receivers, i),
                 set: &shader.sets.sets[shader.sets.number(normal)],
+                lobes: shader.lobes_of(&receivers, i),
             }
         });
         let objects: [u32; 8] = std::array::from_fn(|lane| receivers.object[(range.start + lane).min(range.end - 1)]);
@@ -70,8 +97,8 @@ impl<'a> Batch<'a> {
             self.boxes.clear();
             let others = shader.frame.boxes.iter().filter(|placed| placed.object != objects[receiver.lane]);
             self.boxes.extend(others.map(|placed| BoxView::new(placed, receiver.position.to_array())));
-            let irradiance = self.irradiance(receiver);
-            out.set(i, receivers.albedo_at(i) * irradiance / PI);
+            let [irradiance, glossy] = self.light(receiver);
+            out.set(i, receivers.albedo_at(i) * irradiance / PI + glossy);
         }
     }
 
@@ -89,17 +116,21 @@ impl<'a> Batch<'a> {
         self.caps.extend(frame.spheres.iter().filter_map(|sphere| Cap8::new(sphere, &view, *rule)));
     }
 
-    fn irradiance(&mut self, receiver: &Receiver<'_>) -> Vec3 {
+    /// Irradiance, and what glossy lobes send toward the eye.
+    fn light(&mut self, receiver: &Receiver<'_>) -> [Vec3; 2] {
         let shader = self.shader;
         let whole = shader.rest.at(receiver.normal);
         let mut irradiance = if whole == Vec3::ZERO { whole } else { whole * self.seen_share(receiver) };
+        let mut glossy = self.gloss_of_rest(receiver);
         for lamp in &shader.frame.lamps {
             let whole = lamp.irradiance(receiver.position, receiver.normal);
             if whole != Vec3::ZERO {
-                irradiance += whole * self.seen_of_lamp(lamp, receiver);
+                let view = self.look_into(lamp, receiver);
+                irradiance += whole * self.seen_of_lamp(&view, receiver.normal);
+                glossy += self.gloss_of_lamp(lamp, &view, receiver);
             }
         }
-        irradiance
+        [irradiance, glossy]
     }
 
     /// The share of the light that isn't a lamp's, by channel.
@@ -137,47 +168,53 @@ impl<'a> Batch<'a> {
         self.boxes.iter().fold(own, |open, view| open * view.open(direction, limit))
     }
 
-    /// The share of a lamp's light.
-    fn seen_of_lamp(&mut self, lamp: &Lamp, receiver: &Receiver<'_>) -> f32 {
-        let Shader { spiral, edge, own, .. } = self.shader;
+    /// Looks into a lamp.
+    fn look_into(&mut self, lamp: &Lamp, receiver: &Receiver<'_>) -> LampView {
+        let Shader { spiral, edge, .. } = self.shader;
         let view = LampView::new(&lamp.place, receiver.position, receiver.normal, *edge, spiral.count);
-        let cell = own.iter().flatten().next().map_or(0.0, |own| cell_versine(own.cells.side));
-        let (mut shifts, mut open) = (std::mem::take(&mut self.shifts), std::mem::take(&mut self.open));
-        shifts.clear();
-        open.clear();
-        let axis = view.axis.to_array().map(f32x8::splat);
-        let limit = match lamp.place {
-            LampPlace::Far { .. } => f32::INFINITY,
-            LampPlace::Near { .. } => view.distance,
-        };
-        for (&within, &turn) in spiral.within.iter().zip(&spiral.turn) {
-            let direction = |shift: &[f32x8; 3]| -> [f32x8; 3] {
-                let shift = view.in_light_space(shift);
-                std::array::from_fn(|k| axis[k] + shift[k])
-            };
-            let shift = view.shift(within, turn);
-            let own = receiver
-                .own
-                .as_ref()
-                .map_or(f32x8::ONE, |own| own.open(&direction(&view.shift_over_cell(cell, within, turn))));
-            let along = direction(&shift);
-            open.push(self.boxes.iter().fold(own, |open, view| open * view.open(&along, limit)));
-            shifts.push(shift);
+        let shift = |group: usize, least: f32| view.shift(least, spiral.within[group], spiral.turn[group]);
+        self.look(&view.bundle, receiver, spiral.within.len(), shift, |_| f32x8::splat(view.sharpness));
+        view
+    }
+
+    /// Looks into so many eights of directions of a bundle. `shift` gives them by number, and as wide as cells of a least versine.
+    #[inline(always)]
+    pub(super) fn look(
+        &mut self,
+        bundle: &Bundle,
+        receiver: &Receiver<'_>,
+        groups: usize,
+        shift: impl Fn(usize, f32) -> [f32x8; 3],
+        sharpness: impl Fn(usize) -> f32x8,
+    ) {
+        let own = self.shader.own.iter().flatten().next();
+        let cell = own.map_or(0.0, |own| cell_versine(own.cells.side));
+        let mut looks = std::mem::take(&mut self.looks);
+        looks.clear();
+        for group in 0..groups {
+            let own = receiver.own.as_ref();
+            let own = own.map_or(f32x8::ONE, |own| own.open(&bundle.directions(&shift(group, cell))));
+            let shift = shift(group, 0.0);
+            let along = bundle.directions(&shift);
+            looks.open.push(self.boxes.iter().fold(own, |open, view| open * view.open(&along, bundle.distance)));
+            looks.shifts.push(shift);
+            looks.sharpness.push(sharpness(group));
         }
         for cap in self.caps.iter().filter_map(|cap| cap.of(receiver.lane)) {
-            view.close(&mut open, &shifts, &cap);
+            bundle.close(&mut looks.open, &looks.shifts, &looks.sharpness, &cap);
         }
-        let normal = receiver.normal;
+        self.looks = looks;
+    }
+
+    /// The share of the light of the lamp that was looked into.
+    fn seen_of_lamp(&self, view: &LampView, normal: Vec3) -> f32 {
         let mut sums = Sums::default();
-        let level = f32x8::splat(normal.dot(view.axis));
-        for (group, (shift, open)) in shifts.iter().zip(&open).enumerate() {
-            let shift = view.in_light_space(shift);
-            let above = (0..3).fold(level, |sum, k| shift[k].mul_add(f32x8::splat(normal[k]), sum));
-            let all = above.fast_max(f32x8::ZERO) * spiral.counts(8 * group);
+        for (group, ((shift, open), _)) in self.looks.groups().enumerate() {
+            let above = cosines(&view.bundle, normal, shift);
+            let all = above.fast_max(f32x8::ZERO) * self.shader.spiral.counts(8 * group);
             sums.all[0] += all;
             sums.seen[0] = open.fast_max(f32x8::ZERO).mul_add(all, sums.seen[0]);
         }
-        (self.shifts, self.open) = (shifts, open);
         sums.shares()[0]
     }
 }

@@ -1,9 +1,10 @@
 //! Receivers in batches: spheres are seen by eight at a time, directions are looked into receiver by receiver.
 
 mod batch;
+mod gloss;
 mod shader;
 
-pub(crate) use shader::Shader;
+pub(crate) use shader::{GlossTables, Shader};
 
 use batch::Batch;
 use halfshade_scene::{RadianceMut, Receivers};

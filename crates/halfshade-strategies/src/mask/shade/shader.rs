@@ -2,13 +2,13 @@
 
 use crate::{
     mask::{
-        bake::{directions::DirectionSets, own::OwnMesh},
-        kernel::{lamp::Spiral, own::OwnView},
+        bake::{directions::DirectionSets, lobe_light::LobeLight, own::OwnMesh},
+        kernel::{lamp::Spiral, lobe::LobeSpiral, own::OwnView},
         prepare::frame::FrameData,
     },
     shared::irradiance::Irradiance,
 };
-use halfshade_scene::{Receivers, spheres::AdjustRule};
+use halfshade_scene::{Lobe, Receivers, lobe::Lobes, spheres::AdjustRule};
 use std::sync::Arc;
 
 /// A frame ready to be shaded.
@@ -23,11 +23,32 @@ pub(crate) struct Shader<'a> {
     /// Irradiance of everything but lamps.
     pub(crate) rest: &'a Irradiance,
     pub(crate) rule: AdjustRule,
+    /// Where anything is glossy.
+    pub(crate) gloss: Option<&'a GlossTables>,
     /// Width of an edge in radii of a direction's cell.
     pub(crate) edge: f32,
 }
 
+/// Tables for glossy reflectance.
+#[derive(Debug, Clone)]
+pub(crate) struct GlossTables {
+    /// Directions of each lobe.
+    pub(crate) spiral: LobeSpiral,
+    /// Everything but lamps.
+    pub(crate) light: LobeLight,
+}
+
 impl Shader<'_> {
+    /// The lobes that a receiver shows to the eye, in light space.
+    pub(super) fn lobes_of(&self, receivers: &Receivers<'_>, i: usize) -> Lobes {
+        let mut turned = Lobes::NONE;
+        let Some(lobes) = &self.frame.eye_lobes else { return turned };
+        for lobe in lobes.at(receivers, i).iter() {
+            turned.push(Lobe { axis: self.frame.space.direction(lobe.axis), ..*lobe });
+        }
+        turned
+    }
+
     /// Directions that a receiver's own object hides, if they are known where it lies.
     pub(super) fn own_view(&self, receivers: &Receivers<'_>, i: usize) -> Option<OwnView<'_>> {
         let object = receivers.object[i] as usize;
