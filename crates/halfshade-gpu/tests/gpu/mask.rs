@@ -15,7 +15,7 @@ pub(super) fn shades_gloss([device, cpu]: [&dyn Strategy; 2], settings: &str) ->
         let mut scene = scene(1.0, environment);
         add_gloss(&mut scene);
         add_lamps(&mut scene);
-        scene.objects[4].material.reflectance = Reflectance::Phong { specular: Vec3::splat(300.0), exponent: 2000.0 };
+        scene.objects[4].material.reflectance = Reflectance::Phong { specular: Vec3::splat(30.0), exponent: 2000.0 };
         scene.camera.eye = Vec3::new(0.5, 3.0, 4.0);
         let frame = scene.frame(0);
         for receivers in [ReceiverBuffer::vertices(&frame), between_vertices(&frame)] {

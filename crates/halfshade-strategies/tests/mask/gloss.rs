@@ -79,7 +79,6 @@ fn lobes_of_every_sharpness_are_shadowed() {
             let receivers = ReceiverBuffer::gathered(all.view(), &some);
             let errors =
                 ["directions=64", "directions=256"].map(|settings| error(&scene, &frame, &receivers, settings));
-            println!("{name}, {exponent}: {errors:?}");
             if errors.iter().zip(bounds).any(|(error, bound)| error.is_nan() || *error > bound) {
                 over.push((name, exponent, errors));
             }
@@ -91,14 +90,16 @@ fn lobes_of_every_sharpness_are_shadowed() {
 /// Glossy objects of built-in scenes err about as much as the same objects without gloss: by their spheres.
 #[test]
 fn built_in_scenes_shine() {
-    for (name, number) in [("glossy-sphere", 0), ("bowling", 30), ("falling", 60)] {
+    for (name, number) in [("glossy-sphere", 0), ("bowling", 30)] {
         let mut scene = builtin::scene(name).unwrap();
+        // Few spheres are built in a second, and err alike with gloss and without.
+        scene.objects.iter_mut().for_each(|object| object.sphere_count = object.sphere_count.min(10));
         scene.build_spheres(&Cache::disabled(), &Silent).unwrap();
         let frame = scene.frame(number);
         let all = ReceiverBuffer::vertices(&frame);
         let is_glossy = |object: u32| scene.objects[object as usize].material.reflectance.is_glossy();
         let glossy: Vec<u32> = (0..all.len() as u32).filter(|&i| is_glossy(all.view().object[i as usize])).collect();
-        let some: Vec<u32> = glossy.iter().copied().step_by(glossy.len().div_ceil(400)).collect();
+        let some: Vec<u32> = glossy.iter().copied().step_by(glossy.len().div_ceil(200)).collect();
         let errors = |scene: &Scene| {
             let frame = scene.frame(number);
             let receivers = ReceiverBuffer::gathered(ReceiverBuffer::vertices(&frame).view(), &some);
@@ -108,7 +109,6 @@ fn built_in_scenes_shine() {
         let mut dull = scene.clone();
         dull.objects.iter_mut().for_each(|object| object.material.reflectance = Reflectance::Lambert);
         let dull = errors(&dull);
-        println!("{name}: {glossy:?}, without gloss {dull:?}");
         assert!((0..2).all(|k| glossy[k] < 1.3 * dull[k] + 0.01), "{name}: {glossy:?}, without gloss {dull:?}");
     }
 }

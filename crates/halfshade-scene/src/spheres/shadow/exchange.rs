@@ -109,7 +109,7 @@ mod tests {
     use super::*;
     use crate::builtin::shapes::torus;
     use crate::spheres::normalized::NormalizedMesh;
-    use crate::spheres::shadow::{all_errors, receivers::receivers};
+    use crate::spheres::shadow::{receivers::receivers, refit::all_errors};
     use glam::DVec3;
 
     /// Against the residuals of the fit, with the sphere and without.
@@ -124,13 +124,12 @@ mod tests {
             })
             .collect();
         let cost = |spheres: &[DSphere]| all_errors(&receivers, spheres).cost();
-        let left = removals(&receivers, &spheres);
-        for k in 0..spheres.len() {
+        for (k, left) in removals(&receivers, &spheres).into_iter().enumerate() {
             let mut others = spheres.clone();
             let one = others.remove(k);
             let expected = cost(&others) - cost(&spheres);
             let joined = -changes(&receivers, &others, &[one])[0];
-            for found in [left[k], joined] {
+            for found in [left, joined] {
                 assert!(
                     expected.abs() > 1e-5 && (found - expected).abs() < 1e-6 * expected.abs() + 1e-9,
                     "{found} {expected}"

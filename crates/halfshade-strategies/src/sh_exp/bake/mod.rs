@@ -48,7 +48,7 @@ pub(crate) struct CutSettings {
     pub(crate) levels: Levels,
     /// Sine of the largest angular radius of a sphere that isn't a leaf.
     pub(crate) threshold_sine: f64,
-    /// What parents are scaled to.
+    /// Whether parents are scaled, and to which spheres.
     pub(crate) ratios: Ratios,
     pub(crate) bands: usize,
 }
