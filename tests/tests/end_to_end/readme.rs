@@ -19,12 +19,12 @@ fn table(text: &str, is_header: impl Fn(&[String]) -> bool) -> Vec<Vec<String>> 
 fn the_readme_tells_figures_of_the_results() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let readme = fs::read_to_string(root.join("README.md")).expect("README.md");
-    let tables = fs::read_to_string(root.join("results/soft-shadows/tables.md")).expect("tables");
+    let tables = fs::read_to_string(root.join("results/rivals/tables.md")).expect("tables");
     let told = table(&readme, |header| header.get(1).is_some_and(|cell| cell == "rel. RMSE"));
     let stored = table(&tables, |header| header.iter().any(|cell| cell == "frames/s"));
     assert!(
         tables
-            .find("### vases, frame 0: 15022 vertices")
+            .find("### vases, fitted to shadows, frame 60: 15022 vertices")
             .is_some_and(|place| tables[..place].matches("| strategy").count() == 0)
     );
     let columns =

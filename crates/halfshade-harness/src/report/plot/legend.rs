@@ -58,8 +58,11 @@ pub(super) fn legend<B: DrawingBackend>(
     if !numbers.is_empty() {
         y += px(36);
         area.draw(&Text::new("numbers at the points:", (px(4), y), style())).map_err(text)?;
+        // Lines move together where there is little room left.
+        let room = area.dim_in_pixel().1 as i32 - px(12) - y;
+        let step = px(22).min(room / numbers.len() as i32);
         for line in numbers {
-            y += px(22);
+            y += step;
             area.draw(&Text::new(line, (px(16), y), style())).map_err(text)?;
         }
     }

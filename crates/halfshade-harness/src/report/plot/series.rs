@@ -42,15 +42,19 @@ pub(super) fn series(results: &Results, scene: &str, frame: usize, receivers: &s
             let own = || runs.iter().filter(|other| other.strategy == run.strategy);
             2 * own().filter(|other| other.params.get(key) == Some(value)).count() > own().count()
         };
-        let words: Vec<String> = (run.params.iter())
-            .filter(|(key, value)| !is_usual(key, value))
-            .filter_map(|(key, value)| Some(format!("{key}={}", value.as_str()?)))
-            .collect();
+        let told = Told::by(&run.label);
+        let is_told_by_any =
+            |key: &str| runs.iter().any(|other| other.strategy == run.strategy && Told::by(&other.label).tells(key));
+        let words = (run.params.iter())
+            .filter(|(key, value)| told.tells(key) && !is_usual(key, value))
+            .filter_map(|(key, value)| Some(format!("{key}={}", value.as_str()?)));
+        let words: Vec<String> = told.preset.map(str::to_owned).into_iter().chain(words).collect();
         let varying: Vec<&str> = run
             .params
             .iter()
             .filter(|(key, value)| {
                 value.is_number()
+                    && is_told_by_any(key)
                     && runs.iter().any(|other| other.strategy == run.strategy && other.params.get(*key) != Some(value))
             })
             .map(|(key, _)| key.as_str())
@@ -96,6 +100,26 @@ pub(super) fn series(results: &Results, scene: &str, frame: usize, receivers: &s
         series.points.sort_by(|a, b| a.frame_ms.total_cmp(&b.frame_ms));
     }
     all
+}
+
+/// What a label tells of its parameters; all others are the default's or the preset's.
+struct Told<'a> {
+    preset: Option<&'a str>,
+    keys: Vec<&'a str>,
+}
+
+impl<'a> Told<'a> {
+    /// `label` is `strategy[:[preset,]key=value,...]`.
+    fn by(label: &'a str) -> Self {
+        let parts = label.split_once(':').map_or("", |(_, parts)| parts).split(',').filter(|part| !part.is_empty());
+        let (keys, alone): (Vec<&str>, Vec<&str>) = parts.partition(|part| part.contains('='));
+        let key = |part: &'a str| part.split('=').next().unwrap_or(part);
+        Self { preset: alone.first().copied(), keys: keys.into_iter().map(key).collect() }
+    }
+
+    fn tells(&self, key: &str) -> bool {
+        self.keys.contains(&key)
+    }
 }
 
 /// The colour of a strategy on a graphics device.
@@ -158,12 +182,18 @@ mod tests {
         let mut results = example();
         let mut more = results.runs[0].clone();
         more.params.insert("bands".into(), serde_json::json!(6));
+        more.label = "fast:bands=6".into();
         let mut other = more.clone();
         other.params.insert("exp".into(), serde_json::json!("series"));
-        results.runs.extend([more, other]);
+        other.label = "fast:exp=series,bands=6".into();
+        // A preset is told by its name, whatever it sets.
+        let mut published = other.clone();
+        published.params.insert("limit".into(), serde_json::json!(4.8));
+        published.label = "fast:as-published,bands=6".into();
+        results.runs.extend([more, other, published]);
         let series = series(&results, "vases", 0, "vertices");
         let shown: Vec<(&str, usize)> = series.iter().map(|s| (s.name.as_str(), s.points.len())).collect();
-        assert_eq!(shown, [("fast", 2), ("exact", 1), ("fast exp=series", 1)]);
+        assert_eq!(shown, [("fast", 2), ("exact", 1), ("fast exp=series", 1), ("fast as-published", 1)]);
         assert_eq!(series[0].points[1].numbers, "6");
         assert_eq!(series[0].color, series[2].color);
         assert_ne!((series[0].mark, series[0].color), (series[2].mark, series[1].color));
