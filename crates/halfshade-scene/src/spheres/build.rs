@@ -75,10 +75,11 @@ impl SphereSet {
         options: &BuildOptions,
         progress: &dyn Progress,
     ) -> Result<Self, SceneError> {
-        let half = BuildOptions { restarts: options.restarts.div_ceil(2), ..*options };
         let is_start = options.fit == SphereFit::Shadow;
-        // Fits to shadows find their own way out of local minima, so that they need fewer starts.
-        let build = Build::new(mesh, count, if is_start { &half } else { options }, progress)?;
+        // Fits to shadows find their own way out of local minima.
+        let restarts = if is_start { options.restarts.div_ceil(2) } else { options.restarts };
+        let options = &BuildOptions { restarts, ..*options };
+        let build = Build::new(mesh, count, options, progress)?;
         let (published, polished) = build.fitted();
         let mut sets = build.bounded(published, polished);
         build.measure(&mut sets);

@@ -102,7 +102,7 @@ pub(super) fn series(results: &Results, scene: &str, frame: usize, receivers: &s
     all
 }
 
-/// What a label tells of its parameters; all others are the default's or the preset's.
+/// Parameters that a label tells; all others are the default's or the preset's.
 struct Told<'a> {
     preset: Option<&'a str>,
     keys: Vec<&'a str>,
