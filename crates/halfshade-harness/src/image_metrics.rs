@@ -40,37 +40,3 @@ fn flip(shown: &image::RgbImage, expected: &image::RgbImage) -> Option<f64> {
 fn flip(_: &image::RgbImage, _: &image::RgbImage) -> Option<f64> {
     None
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use glam::Vec3;
-
-    #[test]
-    fn identical_pictures_are_the_most_alike() {
-        let truth = Picture {
-            width: 32,
-            height: 32,
-            pixels: (0..1024).map(|i| Vec3::splat(if (i / 4 + i / 128) % 2 == 0 { 0.8 } else { 0.1 })).collect(),
-        };
-        let disturbed = |amount: f32| {
-            let mut picture = truth.clone();
-            for (i, pixel) in picture.pixels.iter_mut().enumerate() {
-                *pixel += amount * ((i * 7919 % 13) as f32 / 13.0 - 0.5);
-            }
-            Similarity::between(&picture, &truth, 1.0)
-        };
-        let same = Similarity::between(&truth, &truth, 1.0);
-        let (little, much) = (disturbed(0.05), disturbed(0.5));
-        let ssim = [same, little, much].map(|similarity| similarity.ssim.unwrap());
-        assert!((ssim[0] - 1.0).abs() < 1e-9 && 1.0 > ssim[1] && ssim[1] > ssim[2] && ssim[2] > 0.0, "{ssim:?}");
-        let flip = [same, little, much].map(|similarity| similarity.flip);
-        if cfg!(feature = "flip") {
-            let flip = flip.map(Option::unwrap);
-            assert!(flip[0] == 0.0 && 0.0 < flip[1] && flip[1] < flip[2] && flip[2] <= 1.0, "{flip:?}");
-        } else {
-            assert_eq!(flip, [None; 3]);
-        }
-        assert_eq!(Similarity::between(&truth, &Picture::filled(3, 3, Vec3::ONE), 1.0), Similarity::default());
-    }
-}

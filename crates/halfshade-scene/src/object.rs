@@ -35,7 +35,7 @@ impl Object {
             mesh: mesh.into(),
             material: Material::default(),
             sphere_count: 0,
-            fit: SphereFit::Bounding,
+            fit: SphereFit::default(),
             spheres: None,
             cluster_count: 0,
             motion: Motion::Still(Pose::IDENTITY),

@@ -1,6 +1,6 @@
 //! Built-in scenes with their sphere sets, which a test program builds once.
 
-use halfshade_scene::{Cache, Scene, builtin, progress::Silent};
+use halfshade_scene::{Cache, Scene, SphereFit, builtin, progress::Silent};
 use std::sync::LazyLock;
 
 /// `vases` with one bounce of light.
@@ -10,7 +10,12 @@ pub(crate) static VASES: LazyLock<Scene> = LazyLock::new(|| built("vases"));
 pub(crate) static HAND: LazyLock<Scene> = LazyLock::new(|| built("hand"));
 
 fn built(name: &str) -> Scene {
-    let mut scene = builtin::scene(name).unwrap();
+    Scene { bounces: 1, ..bounded(builtin::scene(name).unwrap()) }
+}
+
+/// A scene with spheres that bound: any will do here, and these are there soonest.
+pub(crate) fn bounded(mut scene: Scene) -> Scene {
+    scene.objects.iter_mut().for_each(|object| object.fit = SphereFit::Bounding);
     scene.build_spheres(&Cache::disabled(), &Silent).unwrap();
-    Scene { bounces: 1, ..scene }
+    scene
 }

@@ -201,7 +201,7 @@ pub struct SpheresArguments {
     #[arg(short = 'n', long, value_name = "COUNT", value_parser = sphere_count)]
     pub count: usize,
     /// Aim of the fit.
-    #[arg(long, value_enum, default_value_t = FitChoice::Bounding)]
+    #[arg(long, value_enum, default_value_t = FitChoice::Shadow)]
     pub fit: FitChoice,
     /// Write the set as JSON.
     #[arg(short, long, value_name = "FILE")]

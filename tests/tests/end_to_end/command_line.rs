@@ -116,7 +116,8 @@ fn an_experiment_runs_checks_reports_and_resumes() {
         assert_eq!(run["status"], "ok", "{run}");
         assert_eq!(run["time"]["samples"].as_array().unwrap().len(), 3);
         assert!(run["time"]["frames_per_sec"].as_f64().unwrap() > 0.0);
-        assert!(run["error"]["rmse"].as_f64().unwrap() > 0.0);
+        // The mean error may be nothing, once the truth's noise is taken off.
+        assert!(run["error"]["max"].as_f64().unwrap() > 0.0);
     }
     let against_mesh = runs.iter().filter(|run| run["error"]["reference"] == "mesh" && run["strategy"] != "reference");
     assert!(against_mesh.clone().count() == 3 && against_mesh.clone().all(|run| run["error"]["ssim"].is_number()));

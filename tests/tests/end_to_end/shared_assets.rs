@@ -72,14 +72,16 @@ fn every_mesh_and_every_probe_runs() {
     assert!(!table.contains("failed:") && !table.contains("unsupported:"), "{table}");
 }
 
-/// Fits `count` spheres to the Stanford bunny as a user would. Returns the outside volume, the violation of the bound, and
+/// Fits `count` spheres that bound the Stanford bunny as a user would. Returns the outside volume, the violation of the bound, and
 /// the error of the ground shadow under the default rule and under the covering one, or `None` where there is no bunny.
 fn fit_the_bunny(count: usize) -> Option<[f64; 4]> {
     let assets = assets()?;
     let here = folder();
     let mesh = assets.join("meshes/bunny.obj").canonicalize().expect("bunny.obj");
     let count = count.to_string();
-    stdout(halfshade(here.path()).arg("spheres").arg(&mesh).args(["-n", &count, "-o", "set.json"]));
+    stdout(
+        halfshade(here.path()).arg("spheres").arg(&mesh).args(["-n", &count, "--fit", "bounding", "-o", "set.json"]),
+    );
     let set: serde_json::Value =
         serde_json::from_str(&fs::read_to_string(here.path().join("set.json")).expect("read")).expect("JSON");
     let keys = ["outside_volume_fraction", "bounding_violation", "ground_shadow_error"];
@@ -142,7 +144,8 @@ fn a_sphere_set_is_written_in_the_coordinates_of_its_mesh() {
     let Some(assets) = assets() else { return };
     let here = folder();
     let mesh = assets.join("meshes/spot.obj").canonicalize().expect("spot.obj");
-    let text = stdout(halfshade(here.path()).arg("spheres").arg(&mesh).args(["-n", "4", "-o", "set.json"]));
+    let arguments = ["-n", "4", "--fit", "bounding", "-o", "set.json"];
+    let text = stdout(halfshade(here.path()).arg("spheres").arg(&mesh).args(arguments));
     for key in
         ["outside_volume_fraction: ", "bounding_violation: 0\n", "ground_shadow_error: 0.", "seconds: ", "growth: "]
     {

@@ -20,8 +20,8 @@ pub(super) const GLOSS: [&str; 5] = [
     "plain,samples=70",
     "plain,samples=16,sampling=cosine",
     "plain,samples=16,sampling=light",
-    "samples=70",
-    "samples=16,filter=edge-avoiding",
+    "unfiltered,samples=70",
+    "",
 ];
 
 /// Every model of reflectance and a sharp lobe, at vertices and between them.

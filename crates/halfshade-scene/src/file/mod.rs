@@ -24,7 +24,7 @@
 //! #                                 # specular_texture = "s.png" multiplies the scale, exponent_texture = "e.png" (its red
 //! #                                 # channel, sRGB as all) the exponent
 //! spheres = 64                      # leaf spheres, at most 2000; 0: receives only. Default 64, of a plane 0
-//! fit = "bounding"                  # default; or "shadow": spheres that hide what the mesh hides, see spheres::SphereFit
+//! fit = "shadow"                    # default; or "bounding": spheres that leave no part bare, see spheres::SphereFit
 //! clusters = 0                      # receiver clusters; 0: left to the strategy
 //! translate = [0, 0, 0]
 //! rotate = [0, 1, 0, 30]            # axis, degrees

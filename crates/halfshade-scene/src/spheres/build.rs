@@ -55,7 +55,7 @@ pub struct BuildOptions {
 
 impl Default for BuildOptions {
     fn default() -> Self {
-        Self { fit: SphereFit::Bounding, seed: 1, restarts: 4, teleports: 10, polish: true, jumps: 40 }
+        Self { fit: SphereFit::default(), seed: 1, restarts: 4, teleports: 10, polish: true, jumps: 40 }
     }
 }
 

@@ -42,10 +42,10 @@ pub struct Sphere {
 #[serde(rename_all = "kebab-case")]
 pub enum SphereFit {
     /// Every point of the surface lies in at least one sphere, with little volume outside the mesh [Guerrero2007, 4.1].
-    #[default]
     Bounding,
     /// Receivers around and on the object see as much light as the mesh leaves them, by least squares. Spheres may stick
-    /// out and leave parts bare.
+    /// out and leave parts bare. At equal count shadows by them err less in nearly every scene (`results/sphere-fit`).
+    #[default]
     Shadow,
 }
 

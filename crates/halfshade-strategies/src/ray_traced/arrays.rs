@@ -49,7 +49,8 @@ pub struct FilterArrays {
 const NORMAL_CELLS: usize = 32;
 
 /// Why a filter is refused where light isn't known.
-pub const FILTERS_SHARES: &str = "a filter smooths shares of the light: estimator=ratio";
+pub const FILTERS_SHARES: &str =
+    "a filter smooths shares of the light, of which estimator=plain knows nothing: filter=none, or preset `plain`";
 
 impl FilterArrays {
     /// `None` without a filter.

@@ -16,9 +16,9 @@
 //! are halved \[Clarberg2005\]: weights w are nearly equal, and what is left of the noise is that of visibility. Points are a
 //! scrambled Sobol' sequence that neighbours in a picture share among themselves \[Ahmed2020\].
 //!
-//! **Neighbours** (`filter=edge-avoiding`) tell each other their shares: à trous \[Dammertz2010\], over pixels or along the edges of
-//! a mesh, with weights that stop where surfaces turn and where shares differ by more than their noise \[Schied2017\]. Light and
-//! albedo aren't smoothed, since they are known; nor are lobes of glossy receivers. It is biased where shadows are finer than
+//! **Neighbours** (`filter=edge-avoiding`, and not with the preset `unfiltered`) tell each other their shares: à trous
+//! \[Dammertz2010\], over pixels or along the edges of a mesh, with weights that stop where surfaces turn and where shares differ
+//! by more than their noise \[Schied2017\]. At equal time that errs less than more rays do. Light and albedo aren't smoothed, since they are known; nor are lobes of glossy receivers. It is biased where shadows are finer than
 //! the neighbours are near: contact shadows and penumbras widen as far as noise hides their slope, by `2^filter-levels - 1`
 //! pixels or edges at most, less the more rays there are; a receiver without neighbours of its kind, on a thin part or beside a
 //! silhouette, keeps its noise. Surfaces that curve by more than `filter-angle` from neighbour to neighbour aren't smoothed at all;
@@ -75,11 +75,18 @@ struct Kept {
     neighbours: Option<Neighbours>,
 }
 
-const PRESETS: [Preset; 1] = [Preset {
-    name: "plain",
-    summary: "unbiased: light and visibility estimated together, by light and cosine half and half",
-    settings: "sampling=mis,estimator=plain,filter=none",
-}];
+const PRESETS: [Preset; 2] = [
+    Preset {
+        name: "unfiltered",
+        summary: "every receiver by its own rays alone: noise, but no shadow is smoothed",
+        settings: "filter=none",
+    },
+    Preset {
+        name: "plain",
+        summary: "unbiased: light and visibility estimated together, by light and cosine half and half",
+        settings: "sampling=mis,estimator=plain,filter=none",
+    },
+];
 
 impl Strategy for RayTraced {
     fn info(&self) -> Info {
@@ -232,7 +239,9 @@ mod tests {
             assert!(relative.abs() < tolerance, "{settings}: {relative}");
         }
         // Few rays share the lights among them, and what each tells is right in the mean.
-        for settings in ["samples=3,estimator=plain", "samples=4,estimator=plain", "samples=4"] {
+        for settings in
+            ["unfiltered,samples=3,estimator=plain", "unfiltered,samples=4,estimator=plain", "unfiltered,samples=4"]
+        {
             let relative = mean_of(4096, &scene, settings) / reference - 1.0;
             assert!(relative.abs() < 0.02, "{settings}: {relative}");
         }

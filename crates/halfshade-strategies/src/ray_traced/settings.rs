@@ -46,7 +46,7 @@ settings! {
         /// what is made of them
         "estimator" => estimator: Estimator = Estimator::Ratio;
         /// what neighbours tell each other: pixels of a picture, vertices of a mesh
-        "filter" => filter: Filter = Filter::None;
+        "filter" => filter: Filter = Filter::EdgeAvoiding;
         /// times that a filter looks twice as far
         "filter-levels" => filter_levels: u32 = 3, in 1..=8;
         /// degrees between normals from which on neighbours tell each other nothing

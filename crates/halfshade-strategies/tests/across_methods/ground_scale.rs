@@ -39,7 +39,7 @@ fn ray_traced_contact_shadows_have_their_closed_form_on_any_ground() {
     let heights = [0.0, 1e-5, 1e-3, 0.1];
     heights.iter().for_each(|&h| receivers.push(Vec3::new(0.1, h, 0.03), Vec3::X, Vec3::ONE, 1));
     for scale in [3.0, 1e3, 1e5, 1e7] {
-        let found = shade(&RayTraced, "samples=4096", &box_on_ground(scale), &receivers);
+        let found = shade(&RayTraced, "unfiltered,samples=4096", &box_on_ground(scale), &receivers);
         for (i, &value) in found.channels[0].iter().enumerate() {
             let expected = distances.get(i).map_or(0.5, |&d| open(0.1, 0.2, f64::from(0.1 + d) - f64::from(0.1f32)));
             // A small ground ends within sight of its walls.
@@ -83,7 +83,7 @@ fn lamps_near_walls_are_seen_on_any_ground() {
         scene.environment = Environment::constant(Vec3::ZERO);
         let light = SphereLight { center: Vec3::new(0.12, 0.05, 0.0), radius: 0.02, radiance: Vec3::ONE };
         scene.lights.push((light, Motion::Still(Pose::IDENTITY)));
-        shade(&RayTraced, "samples=256", &scene, &receivers)
+        shade(&RayTraced, "unfiltered,samples=256", &scene, &receivers)
     };
     let small = at(3.0);
     for scale in [1e5, 1e7] {

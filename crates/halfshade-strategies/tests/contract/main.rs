@@ -37,26 +37,21 @@ contract_tests!(
 contract_tests!(
     ray_traced_ratio,
     RayTraced,
-    "samples=256,sampling=mis",
+    "unfiltered,samples=256,sampling=mis",
     Bounds { quadrature: 0.15, gloss: 0.15, brightening: 0.0, ..NOISE }
 );
 
 /// Light is known: as good as a table without blockers.
 const SHARES: Bounds = Bounds { constant: 1e-5, quadrature: 0.01, gloss: 0.15, rotation: 0.1, brightening: 1e-6 };
 
-contract_tests!(ray_traced_product, RayTraced, "samples=256", SHARES);
+contract_tests!(ray_traced_product, RayTraced, "unfiltered,samples=256", SHARES);
 contract_tests!(
     ray_traced_product_unbiased,
     RayTraced,
-    "samples=256,estimator=plain",
+    "unfiltered,samples=256,estimator=plain",
     Bounds { quadrature: 0.1, gloss: 0.15, rotation: 0.1, brightening: 0.1, ..NOISE }
 );
-contract_tests!(
-    ray_traced_filtered,
-    RayTraced,
-    "samples=64,filter=edge-avoiding",
-    Bounds { gloss: 0.8, rotation: 0.3, ..SHARES }
-);
+contract_tests!(ray_traced_filtered, RayTraced, "samples=64", Bounds { gloss: 0.8, rotation: 0.3, ..SHARES });
 
 /// Ringing of four bands under a sun: a blocker beside the sun may brighten its ray.
 const RINGING: Bounds = Bounds { constant: 1e-5, quadrature: 0.01, gloss: 0.01, rotation: 0.005, brightening: 0.2 };

@@ -1,9 +1,12 @@
 //! Cosine lobes against closed forms, against sampling of the light in double precision, and at the extremes.
 
-use crate::common::{self, baked, shade};
+use crate::{
+    built_scenes::bounded,
+    common::{self, baked, shade},
+};
 use glam::Vec3;
 use halfshade_scene::{
-    Cache, Environment, Frame, Material, Motion, Object, Pose, ReceiverBuffer, Reflectance, Scene, Sphere, SphereLight,
+    Environment, Frame, Material, Motion, Object, Pose, ReceiverBuffer, Reflectance, Scene, Sphere, SphereLight,
     SphereSet,
     builtin::{self, shapes},
     progress::Silent,
@@ -270,8 +273,7 @@ fn sharing_finds_fewer_masks_and_errs_by_what_a_blocker_moves() {
 
 /// Every `step`th vertex of a built-in scene, which is made ready.
 fn built_in(name: &str, step: usize) -> (Scene, ReceiverBuffer) {
-    let mut scene = builtin::scene(name).unwrap();
-    scene.build_spheres(&Cache::disabled(), &Silent).unwrap();
+    let scene = bounded(builtin::scene(name).unwrap());
     let all = ReceiverBuffer::vertices(&scene.frame(0));
     let places: Vec<u32> = (0..all.len() as u32).step_by(step).collect();
     let some = ReceiverBuffer::gathered(all.view(), &places);

@@ -1,9 +1,9 @@
 //! Glossy lobes before spheres, boxes and own meshes, against the truth.
 
-use crate::common::shaded;
+use crate::{built_scenes::bounded, common::shaded};
 use glam::Vec3;
 use halfshade_scene::{
-    Cache, Environment, Frame, Material, Motion, Object, Pose, ReceiverBuffer, Reflectance, Scene, Sphere, SphereLight,
+    Environment, Frame, Material, Motion, Object, Pose, ReceiverBuffer, Reflectance, Scene, Sphere, SphereLight,
     SphereSet, builtin,
     builtin::shapes,
     light::{DistantLight, EnvironmentMap, Sun},
@@ -94,7 +94,7 @@ fn built_in_scenes_shine() {
         let mut scene = builtin::scene(name).unwrap();
         // Few spheres are built in a second, and err alike with gloss and without.
         scene.objects.iter_mut().for_each(|object| object.sphere_count = object.sphere_count.min(10));
-        scene.build_spheres(&Cache::disabled(), &Silent).unwrap();
+        let scene = bounded(scene);
         let frame = scene.frame(number);
         let all = ReceiverBuffer::vertices(&frame);
         let is_glossy = |object: u32| scene.objects[object as usize].material.reflectance.is_glossy();

@@ -52,7 +52,7 @@ fn error(strategy: &dyn Strategy, settings: &str, blocker: Mesh) -> f64 {
 #[test]
 fn rays_pass_through_holes() {
     let whole = Mesh { masks: Vec::new(), coverage: Vec::new(), ..masked() };
-    let rays = |mesh: Mesh| error(&RayTraced, "samples=4096", mesh);
+    let rays = |mesh: Mesh| error(&RayTraced, "unfiltered,samples=4096", mesh);
     assert!(rays(masked()) < 0.01, "{}", rays(masked()));
     assert!(rays(whole) > 0.05);
 }

@@ -167,7 +167,9 @@ fn a_ball_over_wide_ground_sees_it_instead_of_the_sky_below() {
 fn linear_and_quadratic_walks_agree() {
     let scene = &*VASES;
     let frame = scene.frame(7);
-    let receivers = ReceiverBuffer::vertices(&frame);
+    let vertices = ReceiverBuffer::vertices(&frame);
+    let places: Vec<u32> = (0..vertices.len() as u32).step_by(8).collect();
+    let receivers = ReceiverBuffer::gathered(vertices.view(), &places);
     for settings in ["", "intersections=precomputed", "order=power", "reflection-exp=hybrid", "bands=3", "bands=6"] {
         let linear = shade(scene, &frame, &receivers, &format!("own=spheres,walk=linear,{settings}"));
         let quadratic = shade(scene, &frame, &receivers, &format!("own=spheres,walk=quadratic,{settings}"));

@@ -21,7 +21,7 @@ fn everything_a_file_can_say_arrives() {
         name = "ball"
         albedo = [1, 0.5, 0]
         spheres = 7
-        fit = "shadow"
+        fit = "bounding"
         clusters = 3
         reflectance = { model = "modified-phong", specular = [0, 0.5, 0.25], exponent = 30 }
         keyframe = [{ time = 0 }, { time = 2, translate = [0, 4, 0], rotate = [0, 2, 0, 90], scale = 4 }]
@@ -54,7 +54,7 @@ fn everything_a_file_can_say_arrives() {
     assert_eq!((scene.name.as_str(), scene.frame_count, scene.frames_per_sec), ("all", 21, 10.0));
     let (ball, floor) = (&scene.objects[0], &scene.objects[1]);
     assert_eq!((ball.name.as_str(), ball.sphere_count, ball.cluster_count), ("ball", 7, 3));
-    assert_eq!((ball.fit, floor.fit), (SphereFit::Shadow, SphereFit::Bounding));
+    assert_eq!((ball.fit, floor.fit), (SphereFit::Bounding, SphereFit::Shadow));
     assert_eq!((floor.name.as_str(), floor.sphere_count), ("plane", 0));
     assert_eq!(ball.material.albedo, Vec3::new(1.0, 0.5, 0.0));
     let specular = Vec3::new(0.0, 0.5, 0.25);

@@ -66,7 +66,7 @@ pub(super) fn variants_baked_anew() -> Vec<Variant> {
 fn variants_with(fields: fn() -> ShadowField) -> Vec<Variant> {
     let mut all = vec![
         Variant::new(Unshadowed, ""),
-        Variant { noise: 0.25, ..Variant::new(RayTraced, "samples=256") },
+        Variant { noise: 0.25, ..Variant::new(RayTraced, "unfiltered,samples=256") },
         Variant::new(ShExp, "bounces=0"),
         Variant::new(ShExp, "bounces=0,exp=product"),
     ];
