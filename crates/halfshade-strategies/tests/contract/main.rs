@@ -4,7 +4,7 @@
 mod cached_fields;
 
 use cached_fields::shadow_fields;
-use halfshade_strategies::{Analytic, CosineLobe, Mask, RayTraced, ShExp, ShadowField, Unshadowed};
+use halfshade_strategies::{Analytic, CosineLobe, Mask, Prt, RayTraced, ShExp, ShadowField, Unshadowed};
 use halfshade_strategy::{
     Strategy,
     contract::{self, Bounds},
@@ -186,3 +186,15 @@ const CLOSED_FORMS: Bounds =
 
 contract_tests!(analytic, Analytic, "", CLOSED_FORMS);
 contract_tests!(analytic_with_own_spheres, Analytic, "own=spheres", CLOSED_FORMS);
+
+/// Light of four bands: a sun and a map's corners are spread.
+const LIMITED: Bounds = Bounds { constant: 1e-5, quadrature: 0.2, gloss: 0.0, rotation: 1e-4, brightening: 0.0 };
+
+contract_tests!(prt, Prt::default(), "directions=64", LIMITED);
+contract_tests!(
+    prt_of_three_bands,
+    Prt::default(),
+    "bands=3,transfer=shadowed,directions=64",
+    Bounds { quadrature: 0.3, ..LIMITED }
+);
+contract_tests!(prt_unshadowed, Prt::default(), "bands=8,transfer=unshadowed", LIMITED);

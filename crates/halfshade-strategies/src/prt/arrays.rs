@@ -1,0 +1,54 @@
+//! Transfer and light as plain arrays, for kernels that run elsewhere than on the processor.
+
+pub use super::shade::place::Place;
+
+use super::BakedScene;
+use glam::Mat3;
+use halfshade_scene::{Frame, Receivers};
+use halfshade_strategy::StrategyError;
+
+/// Everything that holds for all frames of a scene.
+#[derive(Debug, Clone, Copy)]
+pub struct SceneArrays<'a> {
+    /// Bands of all vectors.
+    pub bands: usize,
+    /// Vectors per row: 1, or 3 for red, green and blue.
+    pub channels: usize,
+    /// Rows of as many vectors, each of bands² numbers: the vertices of all objects, then the backs of some. 1/π is in them, the
+    /// albedo of what they belong to isn't.
+    pub rows: &'a [f32],
+}
+
+/// Light of a frame.
+#[derive(Debug, Clone, Copy)]
+pub struct FrameArrays<'a> {
+    /// Radiance times steradian, by channel and coefficient, in the space of the rows.
+    pub light: &'a [Vec<f32>; 3],
+    /// Rotation of normals into that space.
+    pub baked_from_world: Mat3,
+    /// Clamped cosine over π by band, times `sqrt(4π/(2l+1))` of the rotation to an axis.
+    pub cosine: &'a [f32],
+}
+
+impl BakedScene {
+    /// Transfer of the scene.
+    pub fn scene_arrays(&self) -> SceneArrays<'_> {
+        let transfer = &self.transfer;
+        SceneArrays { bands: transfer.bands, channels: transfer.channels, rows: transfer.rows() }
+    }
+
+    /// Brings the light up to a frame, and gives it.
+    ///
+    /// # Errors
+    /// Why the frame can't be shaded with what was baked.
+    pub fn frame_arrays(&mut self, frame: &Frame<'_>) -> Result<FrameArrays<'_>, StrategyError> {
+        self.prepare_frame(frame)?;
+        let light = &self.light;
+        Ok(FrameArrays { light: &light.coefficients, baked_from_world: light.baked_from_world, cosine: &light.cosine })
+    }
+
+    /// Rows between which each receiver lies.
+    pub fn places(&self, receivers: Receivers<'_>) -> impl Iterator<Item = Place> {
+        (0..receivers.len()).map(move |i| Place::of(&self.transfer, &receivers, i))
+    }
+}
