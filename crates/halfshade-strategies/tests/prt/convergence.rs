@@ -12,25 +12,30 @@ use halfshade_truth::{Options, Tracer, estimate};
 const GREY: [Vec3; 2] = [Vec3::splat(0.8), Vec3::splat(0.6)];
 const COLOURED: [Vec3; 2] = [Vec3::new(0.9, 0.3, 0.2), Vec3::new(0.2, 0.6, 0.9)];
 
-/// Deviations from the truth in its own standard errors: their mean, root mean square, and the share beyond 3.
-fn deviations(scene: &Scene, receivers: &ReceiverBuffer, found: &RadianceBuffer, samples: usize) -> [f64; 3] {
-    let options = Options { samples, bounces: scene.bounces, ..Options::default() };
+/// Whether the error is that of the truth: its root mean square that of the standard errors, its mean nothing, and its share beyond
+/// three standard errors that of Student's t with 15 degrees of freedom, 0.9 %, and what the truth's heavy tails add where few of
+/// its samples find what hides the light.
+fn assert_converged(what: &str, scene: &Scene, receivers: &ReceiverBuffer, found: &RadianceBuffer) {
+    let options = Options { samples: 256, bounces: scene.bounces, ..Options::default() };
     let truth = estimate(&Tracer::new(&scene.frame(0)), receivers.view(), &options, &Silent);
-    let mut z = Vec::new();
+    let (mut squares, mut expected, mut sum, mut beyond, mut count) = (0.0, 0.0, 0.0, 0.0, 0.0);
     for channel in 0..3 {
         for i in 0..receivers.len() {
             let [found, exact, error] = [&found.channels, &truth.radiance.channels, &truth.standard_error.channels]
                 .map(|of| f64::from(of[channel][i]));
-            z.push((found - exact) / error.max(1e-4 * exact).max(1e-6));
+            // Rounding, and the steps of the map.
+            let error = error.max(1e-4 * exact).max(1e-6);
+            squares += (found - exact).powi(2);
+            expected += error.powi(2);
+            sum += (found - exact) / error;
+            beyond += f64::from((found - exact).abs() > 3.0 * error);
+            count += 1.0;
         }
     }
-    let mean = |f: &dyn Fn(f64) -> f64| z.iter().map(|z| f(*z)).sum::<f64>() / z.len() as f64;
-    [mean(&|z| z), mean(&|z| z * z).sqrt(), mean(&|z| f64::from(z.abs() > 3.0))]
-}
-
-/// Tails of Student's t with 15 degrees of freedom, of which 0.9 % are beyond 3, with room for the error of transfer's own rays.
-fn assert_converged(what: &str, [mean, rms, beyond]: [f64; 3]) {
-    assert!(mean.abs() < 0.3 && rms < 1.5 && beyond < 0.04, "{what}: mean {mean}, rms {rms}, {beyond} beyond 3");
+    let [ratio, mean, beyond] = [(squares / expected).sqrt(), sum / count, beyond / count];
+    let figures = format!("{what}: {ratio} of the standard error, mean {mean}, {beyond} beyond 3");
+    println!("{figures}");
+    assert!(ratio < 1.3 && mean.abs() < 0.25 && beyond < 0.04, "{figures}");
 }
 
 #[test]
@@ -38,7 +43,7 @@ fn shadowed_transfer_is_the_truth_under_limited_light() {
     for (bands, seed) in [(2, 1), (4, 2), (6, 3)] {
         let scene = torus_over_ground(limited_light(bands, seed), GREY);
         let (receivers, found) = vertices(&scene, &format!("bands={bands},directions=4096"));
-        assert_converged(&format!("{bands} bands"), deviations(&scene, &receivers, &found, 64));
+        assert_converged(&format!("{bands} bands"), &scene, &receivers, &found);
     }
 }
 
@@ -47,7 +52,7 @@ fn interreflected_transfer_is_the_truth_with_as_many_bounces() {
     for (bounces, albedo) in [(1, COLOURED), (2, GREY), (3, COLOURED)] {
         let scene = Scene { bounces, ..torus_over_ground(limited_light(4, 7), albedo) };
         let (receivers, found) = vertices(&scene, "directions=4096");
-        assert_converged(&format!("{bounces} bounces"), deviations(&scene, &receivers, &found, 64));
+        assert_converged(&format!("{bounces} bounces"), &scene, &receivers, &found);
     }
 }
 
@@ -73,7 +78,7 @@ fn pixels_are_interpolated() {
     let truth = estimate(&tracer, receivers.view(), &options, &Silent);
     let error = |i: usize| f64::from((found.at(i) - truth.radiance.at(i)).length_squared());
     let rms = ((0..receivers.len()).map(error).sum::<f64>() / receivers.len() as f64).sqrt();
-    assert!(rms < 0.02 * truth.unshadowed_mean, "{rms} of {}", truth.unshadowed_mean);
+    assert!(rms < 0.04 * truth.unshadowed_mean, "{rms} of {}", truth.unshadowed_mean);
 }
 
 /// Twice as many rays, less error: of many rays it is that of the boundary of what is hidden, which falls faster than chance.
