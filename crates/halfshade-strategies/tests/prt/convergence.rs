@@ -34,7 +34,6 @@ fn assert_converged(what: &str, scene: &Scene, receivers: &ReceiverBuffer, found
     }
     let [ratio, mean, beyond] = [(squares / expected).sqrt(), sum / count, beyond / count];
     let figures = format!("{what}: {ratio} of the standard error, mean {mean}, {beyond} beyond 3");
-    println!("{figures}");
     assert!(ratio < 1.3 && mean.abs() < 0.25 && beyond < 0.04, "{figures}");
 }
 

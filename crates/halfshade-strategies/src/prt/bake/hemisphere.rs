@@ -119,7 +119,7 @@ fn weights(bands: usize, directions: &[DVec3]) -> Vec<f64> {
     let gram = (&y * y.transpose()).svd(true, true);
     let least = 1e-12 * gram.singular_values.max();
     // Both factors were asked for.
-    let change = gram.solve(&missing, least).map_or_else(|_| missing.clone(), |solution| solution);
+    let change = gram.solve(&missing, least).unwrap_or_else(|_| DVector::zeros(missing.len()));
     (y.tr_mul(&change)).iter().map(|change| equal + change).collect()
 }
 

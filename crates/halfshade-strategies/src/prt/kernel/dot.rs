@@ -22,13 +22,9 @@ pub(crate) type Between = [(usize, f32); 3];
 /// `T · l` of eight receivers, channel by channel: `partial` gives the sums of each.
 #[inline(always)]
 pub(crate) fn added(partial: impl Fn(usize) -> Partial) -> [f32x8; 3] {
-    let mut rows = [[f32x8::ZERO; LANES]; 3];
-    for lane in 0..LANES {
-        let sums = partial(lane);
-        (0..3).for_each(|channel| rows[channel][lane] = sums[channel]);
-    }
-    rows.map(|rows| {
-        let [a, b, c, d, e, f, g, h] = f32x8::transpose(rows);
+    let partials: [Partial; LANES] = std::array::from_fn(partial);
+    std::array::from_fn(|channel| {
+        let [a, b, c, d, e, f, g, h] = f32x8::transpose(partials.map(|sums| sums[channel]));
         ((a + b) + (c + d)) + ((e + f) + (g + h))
     })
 }
