@@ -3,9 +3,11 @@
 pub use super::shade::place::Place;
 
 use super::BakedScene;
-use glam::Mat3;
+use glam::{DVec3, Vec3};
 use halfshade_scene::{Frame, Receivers};
+use halfshade_sh::zonal;
 use halfshade_strategy::StrategyError;
+use std::f64::consts::PI;
 
 /// Everything that holds for all frames of a scene.
 #[derive(Debug, Clone, Copy)]
@@ -24,10 +26,6 @@ pub struct SceneArrays<'a> {
 pub struct FrameArrays<'a> {
     /// Radiance times steradian, by channel and coefficient, in the space of the rows.
     pub light: &'a [Vec<f32>; 3],
-    /// Rotation of normals into that space.
-    pub baked_from_world: Mat3,
-    /// Clamped cosine over π by band, times `sqrt(4π/(2l+1))` of the rotation to an axis.
-    pub cosine: &'a [f32],
 }
 
 impl BakedScene {
@@ -43,8 +41,15 @@ impl BakedScene {
     /// Why the frame can't be shaded with what was baked.
     pub fn frame_arrays(&mut self, frame: &Frame<'_>) -> Result<FrameArrays<'_>, StrategyError> {
         self.prepare_frame(frame)?;
-        let light = &self.light;
-        Ok(FrameArrays { light: &light.coefficients, baked_from_world: light.baked_from_world, cosine: &light.cosine })
+        Ok(FrameArrays { light: &self.light.coefficients })
+    }
+
+    /// Transfer of a receiver with this normal in the world of a frame, if nothing hid any light.
+    pub fn open_vector(&self, frame: &Frame<'_>, normal: Vec3) -> Vec<f32> {
+        let baked_from_world = self.arrangement.baked_from_world(&frame.world_from_object);
+        let axis = (baked_from_world * normal.as_dvec3()).normalize_or(DVec3::Y);
+        let cosine: Vec<f64> = zonal::clamped_cosine(self.transfer.bands).into_iter().map(|value| value / PI).collect();
+        zonal::rotate_to_axis(&cosine, axis.to_array()).into_iter().map(|value| value as f32).collect()
     }
 
     /// Rows between which each receiver lies.

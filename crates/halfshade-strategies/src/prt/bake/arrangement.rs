@@ -66,7 +66,7 @@ impl Arrangement {
 
 fn refused(what: &str, who: &str) -> StrategyError {
     StrategyError::Unsupported(format!(
-        "transfer is baked for one arrangement of all objects, but {what}; {who}, and a scene held still at one frame has none"
+        "transfer is baked for one arrangement of all objects, but {what}; {who}, or hold the scene still at one frame"
     ))
 }
 
