@@ -445,9 +445,22 @@ pub const ANALYTIC: Kernel = Kernel {
     buffers: &[RECEIVERS, &["frame", "rows", "tables"]],
 };
 
+/// Transfer times light.
+pub const PRT: Kernel = Kernel {
+    name: "prt",
+    shader: "prt/shade.wgsl",
+    twins: &[Twin {
+        shader: "prt/dot.wgsl",
+        cpu: "halfshade_strategies::prt::kernel::dot",
+        tolerance: 1e-6,
+        reason: "sums in another order",
+    }],
+    buffers: &[RECEIVERS, &["frame", "rows", "points"]],
+};
+
 /// All kernels.
 pub const KERNELS: &[Kernel] =
-    &[UNSHADOWED, RAY_TRACED, RAY_TRACED_FILTER, SH_EXP, SH_EXP_EMIT, SHADOW_FIELD, MASK, ANALYTIC];
+    &[UNSHADOWED, RAY_TRACED, RAY_TRACED_FILTER, SH_EXP, SH_EXP_EMIT, SHADOW_FIELD, MASK, ANALYTIC, PRT];
 
 /// All that has none.
 pub const MISSING: &[Missing] = &[

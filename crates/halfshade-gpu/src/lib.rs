@@ -15,6 +15,7 @@ mod mask;
 mod pipeline;
 mod placed;
 pub mod probe;
+mod prt;
 mod ray_traced;
 mod receivers;
 mod reflectance;
@@ -32,6 +33,7 @@ pub use choice::Choice;
 pub use device::{AdapterFacts, Gpu, devices};
 pub use error::GpuError;
 pub use mask::MaskOnGpu;
+pub use prt::PrtOnGpu;
 pub use ray_traced::RayTracedOnGpu;
 pub use sh_exp::ShExpOnGpu;
 pub use shadow_field::ShadowFieldOnGpu;
@@ -50,6 +52,7 @@ pub fn strategies(gpu: &Arc<Gpu>, cache: &Cache) -> Vec<Box<dyn Strategy>> {
         Box::new(ShExpOnGpu::new(bench.clone())),
         Box::new(MaskOnGpu::new(bench.clone())),
         Box::new(AnalyticOnGpu::new(bench.clone())),
-        Box::new(ShadowFieldOnGpu::new(bench, cache.clone())),
+        Box::new(ShadowFieldOnGpu::new(bench.clone(), cache.clone())),
+        Box::new(PrtOnGpu::new(bench, cache.clone())),
     ]
 }

@@ -33,6 +33,8 @@ sources! {
     "mask/lobe_light.wgsl"
     "mask/own.wgsl"
     "mask/shade.wgsl"
+    "prt/dot.wgsl"
+    "prt/shade.wgsl"
     "ray_traced/cutout.wgsl"
     "ray_traced/filter.wgsl"
     "ray_traced/frame.wgsl"

@@ -1,7 +1,8 @@
 //! Shaders without a device: every kernel is parsed and validated, and its structs lie as those of the Rust that fills them.
 
 use crate::{
-    analytic, hierarchy::Node, kernels::KERNELS, mask, ray_traced, receivers, sh_exp, shader, shadow_field, unshadowed,
+    analytic, hierarchy::Node, kernels::KERNELS, mask, prt, ray_traced, receivers, sh_exp, shader, shadow_field,
+    unshadowed,
 };
 use halfshade_sh::wgsl::MAX_WGSL_BANDS;
 use naga::{
@@ -306,4 +307,11 @@ fn structs_lie_in_rust_as_in_wgsl() {
         offset_of!(Closed, padding),
     ];
     assert_eq!(layout(&module, "Frame"), (size_of::<Closed>(), closed));
+
+    let (module, _) = valid("prt", &shader::module("prt/shade.wgsl", None));
+    type Transfer = prt::FrameUniforms;
+    assert_eq!(layout(&module, "Frame"), (size_of::<Transfer>(), vec![offset_of!(Transfer, light)]));
+    type Between = prt::Between;
+    let between = vec![offset_of!(Between, rows), offset_of!(Between, weights)];
+    assert_eq!(layout(&module, "Between"), (size_of::<Between>(), between));
 }

@@ -28,6 +28,7 @@
 //!
 //! [[scene]]
 //! name = "vases"                     # built-in, or a scene or mesh file relative to this file
+//! still = 60                         # the scene held still as it is at that frame, for methods that need one that doesn't move
 //! bounces = 1                        # diffuse bounces of light, if other than the scene's own
 //! spheres = 64                       # leaf spheres in all, shared out among the objects as the scene's own are
 //! fit = "shadow"                     # or "bounding": what all sphere sets are fitted to, if other than the scene's own
@@ -120,6 +121,8 @@ pub struct SceneEntry {
     pub name: Spanned<String>,
     /// Light for a mesh file: `sky`, `constant` or an image; must be left out otherwise. The scene's name says which.
     pub environment: Option<String>,
+    /// The frame at which the scene is held still; then its name says so, and it has frame 0 alone.
+    pub still: Option<Spanned<usize>>,
     /// Frames, if other than the experiment's.
     #[serde(default, deserialize_with = "fields::some_distinct")]
     pub frames: Option<Vec<usize>>,

@@ -48,6 +48,7 @@ fn of_scene(key: CacheKey, scene: &Scene) -> CacheKey {
         objects,
         environment,
         // Their values at a moment are in the frame.
+        environment_turn: _,
         environment_turn_per_sec: _,
         lights: _,
         camera,

@@ -37,10 +37,7 @@ impl Scene {
             index,
             world_from_object: self.objects.iter().map(|object| object.motion.at(time_secs)).collect(),
             deformed: self.objects.iter().map(|object| object.deformed(time_secs)).collect(),
-            world_from_environment: Quat::from_axis_angle(
-                Vec3::Y,
-                (f64::from(self.environment_turn_per_sec) * time_secs) as f32,
-            ),
+            world_from_environment: Quat::from_axis_angle(Vec3::Y, self.environment_turn_at(time_secs)),
             lights: self.lights.iter().map(|(light, motion)| light.moved(&motion.at(time_secs))).collect(),
         }
     }

@@ -28,6 +28,7 @@ pub mod reflectance;
 pub mod scene;
 pub mod skin;
 pub mod spheres;
+mod still;
 pub mod surface_point;
 pub mod text;
 pub mod texture;

@@ -18,7 +18,9 @@ pub struct Scene {
     pub objects: Vec<Object>,
     /// Infinitely distant light.
     pub environment: Environment,
-    /// Turn of the environment around +Y, radians per second: dynamic light.
+    /// Turn of the environment around +Y at the first frame, in radians.
+    pub environment_turn: f32,
+    /// The same, radians per second: dynamic light.
     pub environment_turn_per_sec: f32,
     /// Local spherical lights, with their motion (position of the pose moves the centre, scale the radius).
     pub lights: Vec<(SphereLight, Motion)>,
@@ -41,6 +43,7 @@ impl Scene {
             name: name.into(),
             objects,
             environment,
+            environment_turn: 0.0,
             environment_turn_per_sec: 0.0,
             lights: Vec::new(),
             camera: Camera { eye: Vec3::Z, target: Vec3::ZERO, vertical_fov_degrees: 40.0, resolution: [16, 12] },
@@ -49,6 +52,11 @@ impl Scene {
             bounces: 0,
             notes: Vec::new(),
         }
+    }
+
+    /// Turn of the environment around +Y at `time_secs`, in radians.
+    pub fn environment_turn_at(&self, time_secs: f64) -> f32 {
+        (f64::from(self.environment_turn) + f64::from(self.environment_turn_per_sec) * time_secs) as f32
     }
 
     /// Whether any object reflects anything beside its diffuse part.

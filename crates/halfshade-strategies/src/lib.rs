@@ -4,6 +4,7 @@
 pub mod analytic;
 pub mod cosine_lobe;
 pub mod mask;
+pub mod prt;
 pub mod ray_traced;
 pub mod sh_exp;
 pub mod shadow_field;
@@ -13,6 +14,7 @@ pub mod unshadowed;
 pub use analytic::Analytic;
 pub use cosine_lobe::CosineLobe;
 pub use mask::Mask;
+pub use prt::Prt;
 pub use ray_traced::RayTraced;
 pub use sh_exp::ShExp;
 pub use shadow_field::ShadowField;

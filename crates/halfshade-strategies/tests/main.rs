@@ -7,6 +7,7 @@ mod cached_fields;
 mod common;
 mod cosine_lobe;
 mod mask;
+mod prt;
 mod ray_traced;
 mod sh_exp;
 mod shadow_field;

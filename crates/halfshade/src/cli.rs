@@ -84,6 +84,9 @@ pub struct SceneArguments {
     /// Frame of the animation.
     #[arg(long, default_value_t = 0)]
     pub frame: usize,
+    /// Hold the scene still at that frame, for methods that need one that doesn't move.
+    #[arg(long)]
+    pub still: bool,
     /// Diffuse bounces of light [default: the scene's, 0 of a mesh].
     #[arg(long, value_name = "N")]
     pub bounces: Option<usize>,

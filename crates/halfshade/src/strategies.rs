@@ -1,7 +1,7 @@
 //! The only list of strategies.
 
 use halfshade_scene::Cache;
-use halfshade_strategies::{Analytic, CosineLobe, Mask, RayTraced, ShExp, ShadowField, Unshadowed};
+use halfshade_strategies::{Analytic, CosineLobe, Mask, Prt, RayTraced, ShExp, ShadowField, Unshadowed};
 use halfshade_strategy::Strategy;
 
 /// Every strategy there is. `cache` is for what they bake.
@@ -14,6 +14,7 @@ pub fn strategies(cache: &Cache) -> Vec<Box<dyn Strategy>> {
         Box::new(CosineLobe),
         Box::new(Mask),
         Box::new(Analytic),
+        Box::new(Prt::new(cache.clone())),
     ]
 }
 

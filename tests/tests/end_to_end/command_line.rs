@@ -171,6 +171,7 @@ fn mistakes_in_experiments_name_the_line_and_leave_nothing_behind() {
         ("\"one-sphere\"", "\"two-spheres\"", "bad.toml:13: "),
         ("[[scene]]", "frames = [9999]\n[[scene]]", "unknown field"),
         ("claim = \"none\"", "claim = \"none\"\nframes = [99999]", "there is no frame 99999"),
+        ("\"one-sphere\"", "\"one-sphere\"\nstill = 99999", "bad.toml:14: scene `one-sphere` has"),
         ("[\"mesh\", \"spheres\"]", "[\"cubes\"]", "bad.toml:4: unknown reference `cubes`"),
         ("repeats = 3", "repeats = 0", "bad.toml:9: expected a whole number of rounds"),
         ("samples = 16", "samples = 0", "bad.toml:6: expected a whole number of samples from 1 to "),
@@ -190,6 +191,24 @@ fn mistakes_in_experiments_name_the_line_and_leave_nothing_behind() {
     }
     assert!(refused(halfshade(here.path()).args(["run", "none.toml"])).contains("none.toml: cannot be read"));
     assert_eq!(names(here.path()), ["bad.toml"]);
+}
+
+#[test]
+fn a_scene_held_still_is_for_methods_that_need_one() {
+    let here = folder();
+    let strategy = "prt:directions=16,bands=2";
+    let arguments =
+        ["render", "one-sphere", "--strategy", strategy, "--frame", "50", "--resolution", "8x8", "-o", "a.exr"];
+    let error = refused(halfshade(here.path()).args(arguments));
+    assert!(error.contains("moves against") && error.contains("ray-traced"), "{error}");
+    halfshade(here.path()).args(arguments).arg("--still").assert().success();
+    let still = SMALL
+        .replace("\"one-sphere\"", "\"one-sphere\"\nstill = 50")
+        .replace("name = \"unshadowed\"", "name = \"prt\"\ndirections = 16");
+    assert!(still.contains("still = 50") && still.contains("\"prt\""));
+    write(here.path(), "still.toml", still);
+    let text = stdout(halfshade(here.path()).args(["run", "still.toml"]));
+    assert!(text.contains("one-sphere, still at frame 50") && !text.contains("unsupported"), "{text}");
 }
 
 #[test]

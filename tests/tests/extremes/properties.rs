@@ -122,7 +122,7 @@ impl Check<'_> {
     fn levels(&self, receivers: &[ReceiverBuffer; 2], found: &[RadianceBuffer]) -> [Vec<f32>; 2] {
         let is_glossy = self.drawn.scene.is_glossy();
         // Light that bands or texels spread reaches receivers that see none.
-        let is_spread = self.subject.name == "shadow-field";
+        let is_spread = ["shadow-field", "prt"].contains(&self.subject.name);
         let open = self.drawn.open();
         let unshadowed = match shaded(self.unshadowed, &open, receivers) {
             Ok(Some(unshadowed)) if !is_glossy => unshadowed,

@@ -38,6 +38,7 @@ pub(crate) fn of(subject: &Subject<'_>, drawn: &Drawn) -> Tolerances {
         "cosine-lobe" => cosine_lobe(p),
         "mask" => mask(),
         "analytic" => analytic(drawn),
+        "prt" => prt(p, drawn),
         other => panic!("what `{other}` promises isn't known here"),
     }
 }
@@ -227,5 +228,26 @@ fn analytic(drawn: &Drawn) -> Tolerances {
             () if !drawn.scene.lights.is_empty() => Err("a sphere is before a lamp or behind it, as its centre is"),
             () => Ok(0.05),
         },
+    }
+}
+
+fn prt(p: &Params, drawn: &Drawn) -> Tolerances {
+    let rings = !is_constant(drawn);
+    Tolerances {
+        // Sums over rays have weights that are exact for the light's first band.
+        below: EXACT,
+        above: EXACT,
+        rings: rings.then(|| p.number("bands") as f32),
+        scaled: EXACT,
+        // Vectors stay, the light is turned.
+        turned: EXACT,
+        linear: EXACT,
+        brightened: match () {
+            () if rings => Err("light of few bands rings: a blocker may take what is below zero"),
+            // In a space about the middle of all objects, which one more moves.
+            () if drawn.is_touching || drawn.rounding() > WELL_CONDITIONED => Err(RAYS),
+            () => Ok(1e-3),
+        },
+        jump: Ok(0.05),
     }
 }

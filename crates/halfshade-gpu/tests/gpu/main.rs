@@ -6,6 +6,7 @@ mod beside_the_cpu;
 mod clocks;
 mod few_receivers;
 mod mask;
+mod prt;
 mod rays;
 mod shadow_field;
 mod surfaces;
@@ -13,7 +14,7 @@ mod twins;
 
 use halfshade_gpu::{Choice, Gpu, strategies};
 use halfshade_scene::Cache;
-use halfshade_strategies::{Analytic, Mask, RayTraced, ShExp, ShadowField, Unshadowed};
+use halfshade_strategies::{Analytic, Mask, Prt, RayTraced, ShExp, ShadowField, Unshadowed};
 use halfshade_strategy::{
     Params, Strategy,
     contract::{self, Bounds, Violation},
@@ -76,6 +77,10 @@ const MORE_FIELDS: [&str; 5] = [
     "shells=6,inner=1,resolution=8,map=16,bands=1,threshold=0.1,inside=blocked",
 ];
 
+/// Settings of `prt` that are compared with the CPU.
+const TRANSFER: [&str; 3] =
+    ["bands=8,directions=32", "bands=3,transfer=shadowed,directions=32", "bands=1,transfer=unshadowed"];
+
 /// Settings of `mask` that are held to the contract.
 const MASKS: [&str; 3] = ["", "directions=100,own=spheres,rule=covering", "directions=256,normals=0,rule=published"];
 
@@ -119,6 +124,7 @@ fn main() -> ExitCode {
     let others = RAYS.map(|settings| ("ray-traced", settings)).into_iter();
     let others = others.chain(SH_EXP_BESIDE.map(|settings| ("sh-exp", settings)));
     let others = others.chain(MORE_FIELDS.map(|settings| ("shadow-field", settings)));
+    let others = others.chain(TRANSFER.map(|settings| ("prt", settings)));
     for (strategy, settings) in subjects.chain(others) {
         add(
             format!("{strategy}({settings})::as_on_the_cpu"),
@@ -147,6 +153,12 @@ fn main() -> ExitCode {
             Box::new(move |all| {
                 shadow_field::compare([on(&all, "shadow-field"), cpu("shadow-field").as_ref()], settings)
             }),
+        );
+    }
+    for settings in TRANSFER {
+        add(
+            format!("prt({settings})::between_vertices_as_on_the_cpu"),
+            Box::new(move |all| prt::compare([on(&all, "prt"), cpu("prt").as_ref()], settings)),
         );
     }
     add(
@@ -184,6 +196,9 @@ fn subjects() -> Vec<(&'static str, &'static str, Bounds)> {
     subjects.extend(MASKS.map(|settings| ("mask", settings, directions)));
     let closed_forms = Bounds { brightening: 1e-5, ..table };
     subjects.extend(["", "own=spheres"].map(|settings| ("analytic", settings, closed_forms)));
+    // Light of four bands.
+    let limited = Bounds { constant: 1e-5, quadrature: 0.2, gloss: 0.0, rotation: 1e-4, brightening: 1e-6 };
+    subjects.push(("prt", "directions=16", limited));
     subjects
 }
 
@@ -216,6 +231,7 @@ fn cpu(name: &str) -> Box<dyn Strategy> {
         "ray-traced" => Box::new(RayTraced),
         "mask" => Box::new(Mask),
         "analytic" => Box::new(Analytic),
+        "prt" => Box::new(Prt::new(CACHE.clone())),
         "shadow-field" => Box::new(ShadowField::new(CACHE.clone())),
         _ => Box::new(ShExp),
     }

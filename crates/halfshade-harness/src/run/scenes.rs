@@ -84,7 +84,8 @@ pub(super) fn scenes(experiment: &Experiment, quick: bool) -> Result<Loaded, Har
                 scene.name
             )));
         }
-        let mut frames = entry.frames.clone().unwrap_or_else(|| experiment.frames.clone());
+        let of_experiment = || if entry.still.is_some() { vec![0] } else { experiment.frames.clone() };
+        let mut frames = entry.frames.clone().unwrap_or_else(of_experiment);
         if let Some(past) = frames.iter().find(|frame| **frame >= scene.frame_count.max(1)) {
             let (name, count) = (&scene.name, scene.frame_count);
             return Err(error(format!("scene `{name}` has {count} frames: there is no frame {past}")));
@@ -98,11 +99,20 @@ pub(super) fn scenes(experiment: &Experiment, quick: bool) -> Result<Loaded, Har
     Ok(Loaded { scenes, inputs: inputs::relative_to(folder, inputs) })
 }
 
-/// Gives `scene` the name, bounces, view, spheres and their fit that its entry asks for.
+/// Gives `scene` the name, stillness, bounces, view, spheres and their fit that its entry asks for.
 fn change(scene: &mut Scene, entry: &SceneEntry, experiment: &Experiment) -> Result<(), HarnessError> {
     if let Some(light) = &entry.environment {
         let light = light.rsplit(['/', '\\']).next().unwrap_or(light);
         scene.name = format!("{}, {light}", scene.name);
+    }
+    if let Some(still) = &entry.still {
+        let (frame, count) = (*still.get_ref(), scene.frame_count);
+        if frame >= count.max(1) {
+            let problem =
+                format!("scene `{}` has {count} frames: there is no frame {frame} to hold it still at", scene.name);
+            return Err(experiment.error_at(still.span().start, problem));
+        }
+        *scene = scene.still_at(frame);
     }
     if let Some(bounces) = &entry.bounces {
         scene.bounces = *bounces.get_ref();

@@ -53,10 +53,14 @@ pub(super) fn scene(source: &Source<'_>, document: Document) -> Result<Scene> {
     let last_key = motions.filter_map(Motion::last_key_secs).chain(of_skins).fold(0.0, f64::max);
     let (frames_per_sec, frame_count) = animation(source, document.animation, last_key)?;
     let bounces = whole(source, "bounces", document.bounces, 0..=MAX_BOUNCES as i64, 0)?;
-    Ok(Scene {
-        name: document.name.unwrap_or_else(|| stem(source.path)),
+    let name = document.name.unwrap_or_else(|| stem(source.path));
+    let still =
+        document.still.map(|still| whole(source, "still", Some(still), 0..=frame_count as i64 - 1, 0)).transpose()?;
+    let scene = Scene {
+        name: name.clone(),
         objects,
         environment,
+        environment_turn: 0.0,
         environment_turn_per_sec: turn,
         lights,
         camera,
@@ -64,7 +68,9 @@ pub(super) fn scene(source: &Source<'_>, document: Document) -> Result<Scene> {
         frame_count,
         bounces,
         notes,
-    })
+    };
+    // Its name is the file's own.
+    Ok(still.map_or(scene.clone(), |index| Scene { name, ..scene.still_at(index) }))
 }
 
 /// The pose of what reaches as far as `size` from its origin.

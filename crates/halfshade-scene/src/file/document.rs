@@ -21,6 +21,7 @@ pub(super) struct Document {
     pub(super) camera: At<CameraTable>,
     pub(super) animation: Option<AnimationTable>,
     pub(super) bounces: At<i64>,
+    pub(super) still: At<i64>,
 }
 
 #[derive(Debug, Deserialize)]

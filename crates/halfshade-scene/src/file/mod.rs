@@ -7,6 +7,7 @@
 //! ```toml
 //! name = "bunny"                    # default: the file's name
 //! bounces = 0                       # diffuse bounces of light asked for; 0: direct light alone
+//! # still = 60                      # the scene as it is at that frame, held still: one frame, in which nothing moves
 //!
 //! [[object]]
 //! mesh = "bunny.obj"                # or shape = "sphere"|"plane"|"box"|..: see builtin::SHAPES

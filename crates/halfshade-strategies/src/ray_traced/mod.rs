@@ -46,16 +46,15 @@ mod prepare;
 mod settings;
 mod shade;
 
-use crate::shared::irradiance::{FrameIrradiance, Irradiance};
+use crate::shared::{
+    irradiance::{FrameIrradiance, Irradiance},
+    scene_occlusion::{Meshes, Occlusion},
+};
 use arrays::{FILTERS_SHARES, FilterArrays, SampleArrays};
 use halfshade_rays::SceneRays;
 use halfshade_scene::{EyeLobes, Frame, Placement, Progress, Receivers, Scene};
 use halfshade_strategy::{Baked, Effect, Effects, Footprint, Info, Params, Prepared, Preset, Strategy, StrategyError};
-use prepare::{
-    light_sampler::LightSampler,
-    neighbours::Neighbours,
-    occlusion::{Meshes, Occlusion},
-};
+use prepare::{light_sampler::LightSampler, neighbours::Neighbours};
 use settings::Settings;
 use shade::{FrameRays, filter::Filter};
 

@@ -13,6 +13,7 @@ pub(crate) mod placed_lamps;
 pub(crate) mod placed_spheres;
 pub mod projected_light;
 pub(crate) mod rotate;
+pub(crate) mod scene_occlusion;
 pub(crate) mod tangent_plane;
 #[cfg(test)]
 pub(crate) mod test_scenes;

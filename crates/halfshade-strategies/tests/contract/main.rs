@@ -3,8 +3,8 @@
 #[path = "../cached_fields.rs"]
 mod cached_fields;
 
-use cached_fields::shadow_fields;
-use halfshade_strategies::{Analytic, CosineLobe, Mask, RayTraced, ShExp, ShadowField, Unshadowed};
+use cached_fields::{kept, shadow_fields};
+use halfshade_strategies::{Analytic, CosineLobe, Mask, Prt, RayTraced, ShExp, ShadowField, Unshadowed};
 use halfshade_strategy::{
     Strategy,
     contract::{self, Bounds},
@@ -130,11 +130,15 @@ contract_tests!(
 
 /// Without a cache, from which the second of two bakings would read what the first made.
 #[test]
-fn shadow_fields_read_no_spheres() {
-    let strategy = ShadowField::default();
-    for settings in ["shells=8,resolution=8,map=32", "basis=haar,face=8,shells=8,resolution=8"] {
+fn what_is_kept_was_made_without_spheres() {
+    let cases: [(&dyn Strategy, &str); 3] = [
+        (&ShadowField::default(), "shells=8,resolution=8,map=32"),
+        (&ShadowField::default(), "basis=haar,face=8,shells=8,resolution=8"),
+        (&Prt::default(), "directions=16"),
+    ];
+    for (strategy, settings) in cases {
         let params = strategy.info().parse(settings).expect("valid settings");
-        if let Err(violation) = contract::who_needs_no_spheres_reads_none(&strategy, &params) {
+        if let Err(violation) = contract::who_needs_no_spheres_reads_none(strategy, &params) {
             panic!("{settings}: {violation}");
         }
     }
@@ -181,3 +185,9 @@ const CLOSED_FORMS: Bounds =
 
 contract_tests!(analytic, Analytic, "", CLOSED_FORMS);
 contract_tests!(analytic_with_own_spheres, Analytic, "own=spheres", CLOSED_FORMS);
+
+/// Light of four bands: a sun and a map's corners are spread.
+const LIMITED: Bounds = Bounds { constant: 1e-5, quadrature: 0.2, gloss: 0.0, rotation: 1e-4, brightening: 0.0 };
+
+contract_tests!(prt, Prt::new(kept()), "directions=16", LIMITED);
+contract_tests!(prt_unshadowed, Prt::default(), "bands=3,transfer=unshadowed", Bounds { quadrature: 0.3, ..LIMITED });

@@ -10,3 +10,4 @@ mod hiders;
 mod one_alone;
 mod scenes;
 mod self_shadowing;
+mod still;

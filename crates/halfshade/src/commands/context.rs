@@ -103,6 +103,10 @@ impl Context {
                 scene.name, scene.frame_count, arguments.frame
             )));
         }
+        if arguments.still {
+            // Whatever frame is asked of it: it is that one.
+            scene = scene.still_at(arguments.frame);
+        }
         scene.bounces = arguments.bounces.unwrap_or(scene.bounces);
         if scene.bounces > MAX_BOUNCES {
             return Err(Failure::Error(format!("--bounces {}: at most {MAX_BOUNCES}", scene.bounces)));

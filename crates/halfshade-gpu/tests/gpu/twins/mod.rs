@@ -9,6 +9,7 @@ mod light;
 mod mask;
 mod mask_gloss;
 mod product;
+mod prt;
 mod rays;
 mod receivers;
 mod reflectance;
@@ -70,6 +71,7 @@ pub(super) const TESTS: &[(&str, Test)] = &[
     ("placed_lamps", caps::placed_lamps),
     ("overlap", caps::overlap),
     ("rest_irradiance", caps::rest_irradiance),
+    ("transfer_dot", prt::dot),
     ("mask_four", mask::four),
     ("mask_cap", mask::cap),
     ("mask_directions", mask::directions),

@@ -199,3 +199,13 @@ fn unknown_top_level_keys_are_errors_too() {
     let text = read(&format!("{OBJECT}[weather]\nrain = 1")).unwrap_err().to_string();
     assert!(text.starts_with("folder/s.toml:3: ") && text.contains("animation"), "{text}");
 }
+
+#[test]
+fn a_file_can_hold_its_scene_still() {
+    let moving = "[[object]]\nshape = \"box\"\nkeyframe = [{ time = 0 }, { time = 1, translate = [0, 3, 0] }]\n";
+    let scene = read(&format!("name = \"a\"\nstill = 10\n{moving}")).unwrap();
+    assert_eq!((scene.name.as_str(), scene.frame_count, scene.objects[0].motion.moves()), ("a", 1, false));
+    assert!((scene.frame(0).world_from_object[0].translation - Vec3::Y).length() < 1e-6);
+    let error = read(&format!("still = 31\n{moving}")).unwrap_err().to_string();
+    assert!(error.contains("s.toml:1") && error.contains("still"), "{error}");
+}

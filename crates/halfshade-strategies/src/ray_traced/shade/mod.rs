@@ -8,8 +8,8 @@ mod product;
 mod reflector;
 pub(super) mod sequence;
 
-use super::prepare::{light_sampler::LightSampler, occlusion::Occlusion};
-use crate::shared::irradiance::FrameIrradiance;
+use super::prepare::light_sampler::LightSampler;
+use crate::shared::{irradiance::FrameIrradiance, scene_occlusion::Occlusion};
 use filter::Filter;
 use halfshade_scene::{EyeLobes, Lobes, RadianceMut, Receivers};
 use halfshade_strategy::{Batching, Prepared};

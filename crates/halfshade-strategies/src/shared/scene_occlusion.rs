@@ -1,8 +1,8 @@
-//! Shadow rays against the meshes of one frame.
+//! Rays against the meshes of one frame.
 
-use crate::shared::triangle_rays::{Start, is_whole};
+use super::triangle_rays::{Start, is_whole};
 use glam::{DAffine3, DQuat, DVec3, Vec3};
-use halfshade_rays::{Instance, MeshRays, SceneRays};
+use halfshade_rays::{Crossing, Instance, MeshRays, SceneRays};
 use halfshade_scene::{Frame, Mesh, Pose, Scene};
 use std::sync::Arc;
 
@@ -69,9 +69,18 @@ impl<'a> Occlusion<'a> {
     /// infinite). `direction` has unit length.
     pub(crate) fn blocked(&self, position: Vec3, normal: Vec3, direction: Vec3, distance: f32) -> bool {
         let ray = Start::on_surface(position, normal).ray(direction, distance, self.rays.half_extent());
-        self.rays.any(&ray, |object, crossing| {
-            self.meshes.cut_out[object as usize].as_ref().is_none_or(|mesh| is_whole(mesh, crossing))
-        })
+        self.rays.any(&ray, |object, crossing| self.is_there(object, crossing))
+    }
+
+    /// What such a ray meets first, however far: the object's number, and where on its mesh.
+    pub(crate) fn first_hit(&self, position: Vec3, normal: Vec3, direction: Vec3) -> Option<(u32, Crossing)> {
+        let ray = Start::on_surface(position, normal).ray(direction, f32::INFINITY, self.rays.half_extent());
+        self.rays.closest(&ray, |object, crossing| self.is_there(object, crossing))
+    }
+
+    /// Whether there is no hole where a ray crosses a triangle.
+    fn is_there(&self, object: u32, crossing: &Crossing) -> bool {
+        self.meshes.cut_out[object as usize].as_ref().is_none_or(|mesh| is_whole(mesh, crossing))
     }
 }
 

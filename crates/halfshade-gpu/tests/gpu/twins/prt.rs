@@ -1,0 +1,61 @@
+//! Transfer times light.
+
+use super::{CALLS, compare, tolerance};
+use halfshade_gpu::{
+    Gpu,
+    probe::{Probe, TransferBetween, TransferFrame, Variable},
+};
+use libtest_mimic::Failed;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use std::sync::Arc;
+
+/// Between random rows, of one vector and of three, of every number of bands.
+pub(super) fn dot(gpu: &Arc<Gpu>) -> Result<(), Failed> {
+    let shader = "prt/dot.wgsl";
+    let mut random = Pcg64Mcg::seed_from_u64(61);
+    for (bands, channels) in [(1, 1), (3, 3), (4, 1), (4, 3), (8, 1), (8, 3)] {
+        let (count, parts): (usize, usize) = (bands * bands, (bands * bands).div_ceil(4));
+        let mut vector = || -> Vec<f32> { (0..count).map(|_| random.random_range(-1.0..1.0)).collect() };
+        let light = [vector(), vector(), vector()];
+        let vectors: Vec<Vec<f32>> = (0..20 * channels).map(|_| vector()).collect();
+        let fours = |vector: &Vec<f32>| {
+            (0..parts)
+                .map(|part| std::array::from_fn(|k| vector.get(4 * part + k).copied().unwrap_or(0.0)))
+                .collect::<Vec<[f32; 4]>>()
+        };
+        let rows: Vec<[f32; 4]> = vectors.iter().flat_map(fours).collect();
+        let chosen: Vec<[(usize, f32); 3]> = (0..CALLS)
+            .map(|_| std::array::from_fn(|_| (random.random_range(0..20), random.random_range(-1.0..1.0))))
+            .collect();
+        let point = |chosen: &[(usize, f32); 3]| TransferBetween {
+            rows: chosen.map(|(row, _)| (row * channels * parts) as u32),
+            weights: chosen.map(|(_, weight)| weight),
+            ..TransferBetween::default()
+        };
+        let points: Vec<TransferBetween> = chosen.iter().map(point).collect();
+        let inputs: Vec<[f32; 4]> = (0..CALLS).map(|i| [i as f32, 0.0, 0.0, 0.0]).collect();
+        let frame = TransferFrame::new(&light);
+        let variables = [
+            Variable::storage_struct(0, "frame", &frame),
+            Variable::storage(1, "rows", &rows),
+            Variable::storage(2, "points", &points),
+        ];
+        let constants = [("PARTS", parts as f64), ("CHANNELS", channels as f64)];
+        let body = "output[0] = vec4f(transfer_dot(points[u32(input[0].x)]), 0.0);";
+        let probe = Probe { shader, bands: None, constants: &constants, rows: [1, 1], body, variables: &variables };
+        let product = |channel: usize, row: usize| -> f64 {
+            let vector = &vectors[row * channels + channel.min(channels - 1)];
+            vector.iter().zip(&light[channel]).map(|(t, l)| f64::from(*t) * f64::from(*l)).sum()
+        };
+        let expected: Vec<f64> = (chosen.iter())
+            .flat_map(|chosen| {
+                (0..3)
+                    .map(|channel| chosen.iter().map(|(row, weight)| f64::from(*weight) * product(channel, *row)).sum())
+            })
+            .collect();
+        let found = probe.call(gpu, &inputs)?;
+        compare(&format!("{bands} bands, {channels} vectors"), tolerance(shader), &found, &expected, 3)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,59 @@
+//! Transfer and light as plain arrays, for kernels that run elsewhere than on the processor.
+
+pub use super::shade::place::Place;
+
+use super::BakedScene;
+use glam::{DVec3, Vec3};
+use halfshade_scene::{Frame, Receivers};
+use halfshade_sh::zonal;
+use halfshade_strategy::StrategyError;
+use std::f64::consts::PI;
+
+/// Everything that holds for all frames of a scene.
+#[derive(Debug, Clone, Copy)]
+pub struct SceneArrays<'a> {
+    /// Bands of all vectors.
+    pub bands: usize,
+    /// Vectors per row: 1, or 3 for red, green and blue.
+    pub channels: usize,
+    /// Rows of as many vectors, each of bands² numbers: the vertices of all objects, then the backs of some. 1/π is in them, the
+    /// albedo of what they belong to isn't.
+    pub rows: &'a [f32],
+}
+
+/// Light of a frame.
+#[derive(Debug, Clone, Copy)]
+pub struct FrameArrays<'a> {
+    /// Radiance times steradian, by channel and coefficient, in the space of the rows.
+    pub light: &'a [Vec<f32>; 3],
+}
+
+impl BakedScene {
+    /// Transfer of the scene.
+    pub fn scene_arrays(&self) -> SceneArrays<'_> {
+        let transfer = &self.transfer;
+        SceneArrays { bands: transfer.bands, channels: transfer.channels, rows: transfer.rows() }
+    }
+
+    /// Brings the light up to a frame, and gives it.
+    ///
+    /// # Errors
+    /// Why the frame can't be shaded with what was baked.
+    pub fn frame_arrays(&mut self, frame: &Frame<'_>) -> Result<FrameArrays<'_>, StrategyError> {
+        self.prepare_frame(frame)?;
+        Ok(FrameArrays { light: &self.light.coefficients })
+    }
+
+    /// Transfer of a receiver with this normal in the world of a frame, if nothing hid any light.
+    pub fn open_vector(&self, frame: &Frame<'_>, normal: Vec3) -> Vec<f32> {
+        let baked_from_world = self.arrangement.baked_from_world(&frame.world_from_object);
+        let axis = (baked_from_world * normal.as_dvec3()).normalize_or(DVec3::Y);
+        let cosine: Vec<f64> = zonal::clamped_cosine(self.transfer.bands).into_iter().map(|value| value / PI).collect();
+        zonal::rotate_to_axis(&cosine, axis.to_array()).into_iter().map(|value| value as f32).collect()
+    }
+
+    /// Rows between which each receiver lies.
+    pub fn places(&self, receivers: Receivers<'_>) -> impl Iterator<Item = Place> {
+        (0..receivers.len()).map(move |i| Place::of(&self.transfer, &receivers, i))
+    }
+}

@@ -1,0 +1,114 @@
+//! Rays from all rows of the table: once for what is in the way, once per bounce for what reflects.
+
+use super::{chunks::Chunks, hemisphere::Hemisphere, surface::Surfaces, table::Transfer};
+use glam::{DMat3, Vec3};
+use halfshade_scene::cache::CacheKey;
+use halfshade_strategy::StrategyError;
+use serde::{Deserialize, Serialize};
+
+/// What rays are traced from, and against.
+pub(crate) struct Passes<'a> {
+    pub(crate) hemisphere: &'a Hemisphere,
+    pub(crate) surfaces: &'a Surfaces,
+    /// Position and normal of each row.
+    pub(crate) points: &'a [(Vec3, Vec3)],
+    pub(crate) chunks: &'a Chunks<'a>,
+}
+
+/// Transfer of light that arrives straight at a row.
+#[derive(Debug, Serialize, Deserialize)]
+pub(crate) struct DirectRow {
+    pub(crate) values: Vec<f32>,
+    /// A bit per direction, 1 where something is in the way; empty if nothing is anywhere.
+    blocked: Vec<u64>,
+}
+
+impl Passes<'_> {
+    /// `T_0` of every row.
+    pub(crate) fn direct(&self, key: &CacheKey) -> Result<Vec<DirectRow>, StrategyError> {
+        let count = self.hemisphere.count();
+        let words = count.div_ceil(64);
+        let fits = |row: &DirectRow| {
+            row.values.len() == self.hemisphere.coefficients() && [0, words].contains(&row.blocked.len())
+        };
+        self.chunks.of(key, self.points.len(), fits, |number| {
+            let point = self.points[number];
+            let frame = Hemisphere::frame(point.0, point.1);
+            let is_blocked = |k: usize| self.surfaces.is_blocked(point, self.along(&frame, k));
+            let mut blocked = vec![0_u64; words];
+            (0..count).filter(|&k| is_blocked(k)).for_each(|k| blocked[k / 64] |= 1 << (k % 64));
+            let mut values = self.hemisphere.open(point.1);
+            if blocked.iter().any(|word| *word != 0) {
+                let taken = self.hemisphere.sum(&frame, set_bits(&blocked));
+                values.iter_mut().zip(taken).for_each(|(value, taken)| *value -= taken);
+            } else {
+                blocked.clear();
+            }
+            DirectRow { values: values.into_iter().map(|value| value as f32).collect(), blocked }
+        })
+    }
+
+    /// `T_b` of every row, given `T_{b-1}`.
+    pub(crate) fn bounce(
+        &self,
+        key: &CacheKey,
+        direct: &[DirectRow],
+        before: &Transfer,
+        channels: usize,
+    ) -> Result<Vec<f32>, StrategyError> {
+        let width = channels * self.hemisphere.coefficients();
+        let fits = |row: &Vec<f32>| row.len() == width;
+        let rows = self.chunks.of(key, self.points.len(), fits, |number| {
+            let point = self.points[number];
+            let frame = Hemisphere::frame(point.0, point.1);
+            let mut sum: Vec<f64> =
+                direct[number].values.iter().copied().map(f64::from).collect::<Vec<_>>().repeat(channels);
+            for k in set_bits(&direct[number].blocked) {
+                let Some(reflector) = self.surfaces.reflector(point, self.along(&frame, k)) else { continue };
+                let weight = self.hemisphere.weight(k);
+                for (row, share) in reflector.rows {
+                    add_row(&mut sum, before, row, weight * share, reflector.albedo);
+                }
+            }
+            sum.into_iter().map(|value| value as f32).collect()
+        })?;
+        Ok(rows.into_iter().flatten().collect())
+    }
+
+    /// Direction k of a row, in the world.
+    fn along(&self, frame: &DMat3, k: usize) -> Vec3 {
+        (*frame * self.hemisphere.direction(k)).as_vec3()
+    }
+}
+
+/// Adds `weight · albedo · T` of a row, channel by channel.
+fn add_row(sum: &mut [f64], before: &Transfer, row: usize, weight: f64, albedo: Vec3) {
+    let count = before.bands * before.bands;
+    let vectors = &before.values[row * before.width()..];
+    for (channel, sum) in sum.chunks_exact_mut(count).enumerate() {
+        let vector = &vectors[if before.channels == 1 { 0 } else { channel * count }..][..count];
+        let factor = weight * f64::from(albedo[channel]);
+        sum.iter_mut().zip(vector).for_each(|(sum, &value)| *sum += factor * f64::from(value));
+    }
+}
+
+/// Numbers of the bits that are 1.
+fn set_bits(words: &[u64]) -> impl Iterator<Item = usize> {
+    words.iter().enumerate().flat_map(|(place, &word)| {
+        let rest = |word: &u64| Some(word & (word - 1)).filter(|rest| *rest != 0);
+        let words = std::iter::successors(Some(word).filter(|word| *word != 0), rest);
+        words.map(move |word| 64 * place + word.trailing_zeros() as usize)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bits_come_one_by_one() {
+        let words = [1 | 1 << 5 | 1 << 63, 0, 1 << 7];
+        assert_eq!(set_bits(&words).collect::<Vec<_>>(), [0, 5, 63, 135]);
+        assert_eq!(set_bits(&[]).count(), 0);
+    }
+}

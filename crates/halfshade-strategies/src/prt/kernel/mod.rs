@@ -1,0 +1,3 @@
+//! What has a twin: functions of arrays and numbers.
+
+pub(crate) mod dot;

@@ -1,0 +1,3 @@
+//! Once per frame: light in the space that transfer was baked in.
+
+pub(crate) mod light;

@@ -1,0 +1,88 @@
+//! Receivers, eight at a time.
+
+pub(crate) mod place;
+
+use super::{
+    bake::table::Transfer,
+    kernel::dot::{added, between_rows, of_row},
+    prepare::light::FrameLight,
+};
+use halfshade_scene::{RadianceMut, Receivers};
+use halfshade_sh::{
+    dispatch_bands,
+    kernel::{self, LANES},
+};
+use halfshade_strategy::Prepared;
+use place::{Place, first_of_eight};
+use wide::f32x8;
+
+/// A frame ready to be shaded.
+pub(crate) struct Shader<'a> {
+    pub(crate) transfer: &'a Transfer,
+    pub(crate) light: &'a FrameLight,
+}
+
+impl Prepared for Shader<'_> {
+    fn shade(&self, receivers: Receivers<'_>, out: RadianceMut<'_>) {
+        // Settings allow no other number of bands.
+        let _: Option<()> = dispatch_bands!(self.transfer.bands, N => match self.transfer.channels {
+            1 => self.shade_all::<N, 1>(receivers, out),
+            _ => self.shade_all::<N, 3>(receivers, out),
+        });
+    }
+}
+
+impl Shader<'_> {
+    fn shade_all<const N: usize, const C: usize>(&self, receivers: Receivers<'_>, mut out: RadianceMut<'_>) {
+        for start in (0..receivers.len()).step_by(LANES) {
+            let lanes = (receivers.len() - start).min(LANES);
+            let white = match first_of_eight(self.transfer, &receivers, start) {
+                Some(first) => {
+                    let table = &self.transfer.values[first * C * N..];
+                    added(|lane| of_row::<N, C>(&table[lane * C * N..], &self.light.vectors))
+                }
+                None => self.anywhere::<N, C>(&receivers, start, lanes),
+            };
+            for ((out, albedo), white) in out.channels.iter_mut().zip(receivers.albedo).zip(white) {
+                let (out, albedo) = (&mut out[start..start + lanes], &albedo[start..start + lanes]);
+                let white = white.to_array();
+                out.iter_mut().zip(albedo).zip(white).for_each(|((out, albedo), white)| *out = albedo * white);
+            }
+        }
+    }
+
+    /// Radiance of white receivers that lie anywhere.
+    fn anywhere<const N: usize, const C: usize>(
+        &self,
+        receivers: &Receivers<'_>,
+        start: usize,
+        lanes: usize,
+    ) -> [f32x8; 3] {
+        let places: [Place; LANES] = std::array::from_fn(|lane| {
+            if lane < lanes { Place::of(self.transfer, receivers, start + lane) } else { Place::Dark }
+        });
+        let mut white = added(|lane| match &places[lane] {
+            Place::Between(between) => between_rows::<N, C>(&self.transfer.values, between, &self.light.vectors),
+            Place::Dark | Place::Open => [f32x8::ZERO; 3],
+        });
+        if places.contains(&Place::Open) {
+            let is_open = f32x8::from(places.map(|place| if place == Place::Open { 1.0 } else { 0.0 }));
+            let open = self.open::<N>(receivers, start, lanes);
+            (0..3).for_each(|c| white[c] = is_open.simd_gt(f32x8::ZERO).select(open[c], white[c]));
+        }
+        white
+    }
+
+    /// Radiance of white receivers that see everything.
+    fn open<const N: usize>(&self, receivers: &Receivers<'_>, start: usize, lanes: usize) -> [f32x8; 3] {
+        let FrameLight { coefficients, baked_from_world, cosine, .. } = self.light;
+        let normals: [glam::Vec3; LANES] =
+            std::array::from_fn(|lane| *baked_from_world * receivers.normal_at(start + lane.min(lanes - 1)));
+        let normal = std::array::from_fn(|axis| f32x8::from(normals.map(|normal| normal[axis])));
+        let transfer = kernel::times_bands(&kernel::basis::<f32x8, N>(normal), cosine);
+        coefficients.each_ref().map(|light| {
+            let products = transfer.iter().zip(light);
+            products.fold(f32x8::ZERO, |sum, (t, &l)| t.mul_add(f32x8::splat(l), sum))
+        })
+    }
+}

@@ -1,0 +1,50 @@
+//! Where a receiver is in the table of transfer.
+
+use crate::prt::{
+    bake::{rows::Back, table::Transfer},
+    kernel::dot::Between,
+};
+use halfshade_scene::{Receivers, SurfacePoint};
+use halfshade_sh::kernel::LANES;
+
+/// Transfer of a receiver.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Place {
+    /// Between three rows of the table, with weights of sum 1.
+    Between([(usize, f32); 3]),
+    /// No light arrives.
+    Dark,
+    /// Nothing is known: as if nothing hid any light.
+    Open,
+}
+
+impl Place {
+    /// That of receiver `i`.
+    pub(crate) fn of(transfer: &Transfer, receivers: &Receivers<'_>, i: usize) -> Self {
+        let Some((mesh, rows)) = transfer.objects.get(receivers.object[i] as usize) else { return Self::Open };
+        let surface = receivers.surface[i];
+        let Some(weights) = surface.weights(mesh) else { return Self::Open };
+        let is_from_behind = matches!(surface, SurfacePoint::Triangle { from_behind: true, .. });
+        let first = match rows.back {
+            _ if !is_from_behind => rows.first,
+            Back::Rows(back) => back,
+            Back::Dark => return Self::Dark,
+            Back::Open => return Self::Open,
+        };
+        let mut between: Between = [(0, 0.0); 3];
+        between.iter_mut().zip(weights.parts()).for_each(|(place, (vertex, weight))| *place = (first + vertex, weight));
+        Self::Between(between)
+    }
+}
+
+/// The row of receiver `start`, if the next seven are vertices that follow it.
+pub(crate) fn first_of_eight(transfer: &Transfer, receivers: &Receivers<'_>, start: usize) -> Option<usize> {
+    let range = start..start + LANES;
+    let (objects, surface) = (receivers.object.get(range.clone())?, &receivers.surface[range]);
+    let SurfacePoint::Vertex(first) = surface[0] else { return None };
+    let follows =
+        |(lane, place): (usize, &SurfacePoint)| *place == SurfacePoint::Vertex(first.wrapping_add(lane as u32));
+    let is_run = objects.iter().all(|object| *object == objects[0]) && surface.iter().enumerate().all(follows);
+    let (mesh, rows) = transfer.objects.get(objects[0] as usize).filter(|_| is_run)?;
+    (first as usize + LANES <= mesh.positions.len()).then_some(rows.first + first as usize)
+}

@@ -1,0 +1,7 @@
+//! Precomputed radiance transfer against closed forms and the truth.
+
+mod closed_forms;
+mod convergence;
+mod ends;
+mod motion;
+mod scenes;

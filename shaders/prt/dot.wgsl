@@ -1,0 +1,48 @@
+// Transfer times light: twin of `prt/kernel/dot.rs`.
+
+// Rows of four numbers that a vector takes.
+override PARTS: u32 = 4u;
+// Vectors of a vertex: one for all channels, or one each.
+override CHANNELS: u32 = 1u;
+
+struct Frame {
+    // Light by channel and four coefficients, filled up with zeros: red, green, blue.
+    light: array<vec4f, 48>,
+}
+
+// A receiver between vertices: the rows at which their vectors begin, and weights; all 0 where no light arrives.
+struct Between {
+    rows: vec3u,
+    weights: vec3f,
+}
+
+@group(1) @binding(0) var<storage, read> frame: Frame;
+// Vectors, each in rows of its own.
+@group(1) @binding(1) var<storage, read> rows: array<vec4f>;
+@group(1) @binding(2) var<storage, read> points: array<Between>;
+
+// Four numbers of the interpolated vector.
+fn transfer_part(between: Between, part: u32) -> vec4f {
+    return between.weights.x * rows[between.rows.x + part] + between.weights.y * rows[between.rows.y + part]
+        + between.weights.z * rows[between.rows.z + part];
+}
+
+// Radiance of a white receiver.
+fn transfer_dot(between: Between) -> vec3f {
+    var radiance = vec3f(0.0);
+    for (var part = 0u; part < PARTS; part++) {
+        let red = transfer_part(between, part);
+        var green = red;
+        var blue = red;
+        if (CHANNELS > 1u) {
+            green = transfer_part(between, PARTS + part);
+            blue = transfer_part(between, 2u * PARTS + part);
+        }
+        radiance += vec3f(
+            dot(frame.light[part], red),
+            dot(frame.light[16u + part], green),
+            dot(frame.light[32u + part], blue),
+        );
+    }
+    return radiance;
+}
