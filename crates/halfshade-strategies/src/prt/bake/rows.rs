@@ -3,6 +3,7 @@
 
 use glam::{DVec3, Vec3};
 use halfshade_scene::{Frame, Mesh, ReceiverBuffer, mesh::Topology};
+use std::sync::Arc;
 
 /// The rows of an object.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -45,9 +46,15 @@ impl Rows {
             objects.push(ObjectRows { first, back: if with_backs { Back::Dark } else { Back::Open } });
             first += frame.positions(number).len();
         }
+        let mut known: Vec<(Arc<Mesh>, bool)> = Vec::new();
         for (number, rows) in objects.iter_mut().enumerate().filter(|_| with_backs) {
             let mesh = frame.object(number).mesh;
-            if !is_dark_behind(&mesh) {
+            let same = known.iter().find(|(other, _)| Arc::ptr_eq(other, &mesh)).map(|(_, is_dark)| *is_dark);
+            let is_dark = same.unwrap_or_else(|| is_dark_behind(&mesh));
+            if same.is_none() {
+                known.push((mesh.clone(), is_dark));
+            }
+            if !is_dark {
                 rows.back = Back::Rows(points.len());
                 let backs: Vec<_> = points[rows.first..rows.first + mesh.positions.len()].to_vec();
                 points.extend(backs.into_iter().map(|(position, normal)| (position, -normal)));

@@ -44,9 +44,13 @@ impl Shader<'_> {
                 None => self.anywhere::<N, C>(&receivers, start, lanes),
             };
             for ((out, albedo), white) in out.channels.iter_mut().zip(receivers.albedo).zip(white) {
-                let (out, albedo) = (&mut out[start..start + lanes], &albedo[start..start + lanes]);
-                let white = white.to_array();
-                out.iter_mut().zip(albedo).zip(white).for_each(|((out, albedo), white)| *out = albedo * white);
+                match (out[start..].first_chunk_mut::<LANES>(), albedo[start..].first_chunk::<LANES>()) {
+                    (Some(out), Some(albedo)) => *out = (f32x8::from(*albedo) * white).to_array(),
+                    _ => {
+                        let rest = out[start..].iter_mut().zip(&albedo[start..]).zip(white.to_array());
+                        rest.for_each(|((out, albedo), white)| *out = albedo * white);
+                    }
+                }
             }
         }
     }

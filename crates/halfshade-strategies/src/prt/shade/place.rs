@@ -39,12 +39,13 @@ impl Place {
 
 /// The row of receiver `start`, if the next seven are vertices that follow it.
 pub(crate) fn first_of_eight(transfer: &Transfer, receivers: &Receivers<'_>, start: usize) -> Option<usize> {
-    let range = start..start + LANES;
-    let (objects, surface) = (receivers.object.get(range.clone())?, &receivers.surface[range]);
+    let objects: &[u32; LANES] = receivers.object[start..].first_chunk()?;
+    let surface: &[SurfacePoint; LANES] = receivers.surface[start..].first_chunk()?;
     let SurfacePoint::Vertex(first) = surface[0] else { return None };
-    let follows =
-        |(lane, place): (usize, &SurfacePoint)| *place == SurfacePoint::Vertex(first.wrapping_add(lane as u32));
-    let is_run = objects.iter().all(|object| *object == objects[0]) && surface.iter().enumerate().all(follows);
+    // Without branches: what isn't a vertex is one past any.
+    let vertex = |lane: usize| if let SurfacePoint::Vertex(vertex) = surface[lane] { vertex } else { u32::MAX };
+    let off = |lane: usize| (vertex(lane) ^ first.wrapping_add(lane as u32)) | (objects[lane] ^ objects[0]);
+    let is_run = (0..LANES).fold(0, |all, lane| all | off(lane)) == 0;
     let (mesh, rows) = transfer.objects.get(objects[0] as usize).filter(|_| is_run)?;
     (first as usize + LANES <= mesh.positions.len()).then_some(rows.first + first as usize)
 }
