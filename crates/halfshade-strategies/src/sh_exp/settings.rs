@@ -81,6 +81,8 @@ choice! {
         Independent = "independent",
         /// each by the share of the silhouette that is its own: about once
         Shared = "shared",
+        /// each by a power of that share, from 0 to 1 as more of them cover each other
+        Balanced = "balanced",
     }
 }
 
@@ -226,7 +228,7 @@ settings! {
         /// spheres that cut the tangent plane
         "rule" => rule: Rule = Rule::Continuous;
         /// spheres of one object that cover each other
-        "overlap" => overlap: Overlap = Overlap::Independent;
+        "overlap" => overlap: Overlap = Overlap::Balanced;
         /// spheres of the hierarchy that a receiver sees
         "levels" => levels: Levels = Levels::Leaves;
         /// children per parent in the hierarchy
@@ -283,7 +285,7 @@ const AS_PUBLISHED: Preset = Preset {
     name: "as-published",
     summary: "[Guerrero2007, 4]: clusters with one level of each object, intersections precomputed, every nearer sphere summed, \
               nothing from meshes, suns projected",
-    settings: "rule=published,squaring=published,magnitude-limit=4.8,levels=cluster,ratios=on,reflection-limit=4.8,\
+    settings: "rule=published,overlap=independent,squaring=published,magnitude-limit=4.8,levels=cluster,ratios=on,reflection-limit=4.8,\
                intersections=precomputed,order=center,walk=quadratic,projection=product,form-factor=cosine,average=sphere,\
                own=spheres,sun=projected,ground=ignored",
 };

@@ -44,6 +44,21 @@ struct Known {
     levels: Arc<[Level]>,
 }
 
+/// Shares w_i to the power of `1 - w̄`, w̄ being their mean by area.
+///
+/// A few spheres that hardly overlap are best left alone: what shares of all views take from them is missing in most. Of many
+/// that lie in each other the sum counts every direction several times, and shares are right. The power leads from the one to
+/// the other (`results/spheres-vs-error`).
+fn balanced_shares(spheres: &[Sphere]) -> Vec<f32> {
+    let shares = overlap_shares(spheres);
+    let area = |sphere: &Sphere| f64::from(sphere.radius).powi(2);
+    let whole: f64 = spheres.iter().map(area).sum();
+    let own: f64 = spheres.iter().zip(&shares).map(|(sphere, share)| area(sphere) * f64::from(*share)).sum();
+    // Radii may be so small that their squares vanish.
+    let power = if whole > 0.0 { 1.0 - own / whole } else { 0.0 };
+    shares.iter().map(|share| share.powf(power as f32)).collect()
+}
+
 impl Hierarchies {
     /// The levels of every object of `scene`, ahead of its first frame.
     pub(crate) fn new(scene: &Scene, overlap: Overlap, branching: Option<usize>) -> Self {
@@ -74,6 +89,7 @@ impl Hierarchies {
             shares: match self.overlap {
                 Overlap::Independent => vec![1.0; spheres.len()],
                 Overlap::Shared => overlap_shares(&spheres),
+                Overlap::Balanced => balanced_shares(&spheres),
             },
             spheres,
             children,
