@@ -1,4 +1,4 @@
-//! What a test program traces once, however many of its tests ask for it.
+//! Baked data that a test program traces once, however many of its tests ask for it.
 
 use halfshade_scene::Cache;
 use halfshade_strategies::ShadowField;

@@ -72,7 +72,7 @@ impl<'a> Occlusion<'a> {
         self.rays.any(&ray, |object, crossing| self.is_there(object, crossing))
     }
 
-    /// What such a ray meets first, however far: the object's number, and where on its mesh.
+    /// The first crossing of such a ray, however far, and the number of the object.
     pub(crate) fn first_hit(&self, position: Vec3, normal: Vec3, direction: Vec3) -> Option<(u32, Crossing)> {
         let ray = Start::on_surface(position, normal).ray(direction, f32::INFINITY, self.rays.half_extent());
         self.rays.closest(&ray, |object, crossing| self.is_there(object, crossing))

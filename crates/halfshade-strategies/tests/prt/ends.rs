@@ -109,6 +109,11 @@ fn what_was_finished_is_not_traced_again() {
     other.environment = Environment::constant(Vec3::ONE);
     baked_by(&strategy, &other, &Silent);
     assert_eq!(entries().len(), 3);
+    // Nor does another number of bands change what is in the way.
+    let params = strategy.info().parse("directions=32,bands=3,transfer=shadowed").unwrap();
+    let kept = strategy.bake_scene(&other, &params, &Silent).unwrap().scene_arrays().rows.to_vec();
+    assert_eq!(entries().len(), 3);
+    assert_eq!(kept, Prt::default().bake_scene(&other, &params, &Silent).unwrap().scene_arrays().rows);
 }
 
 #[test]

@@ -26,7 +26,7 @@ impl<'a> Chunks<'a> {
         Self { cache, progress }
     }
 
-    /// What `row` finds for each of so many rows, each `fits`; on all threads.
+    /// Results of `row` for so many rows, from the cache if each `fits`, else on all threads.
     pub(crate) fn of<T: Serialize + DeserializeOwned + Send>(
         &self,
         key: &CacheKey,
@@ -61,9 +61,9 @@ impl<'a> Chunks<'a> {
     }
 }
 
-/// The key of what depends on where surfaces are.
-pub(crate) fn shape_key(frame: &Frame<'_>, bands: usize, directions: usize) -> CacheKey {
-    let mut key = CacheKey::new("transfer", VERSION).value(&(bands as u64, directions as u64));
+/// The key of what so many directions meet where surfaces are.
+pub(crate) fn shape_key(frame: &Frame<'_>, directions: usize) -> CacheKey {
+    let mut key = CacheKey::new("transfer", VERSION).value(&(directions as u64));
     for (number, object) in frame.scene.objects.iter().enumerate() {
         // Without `..`: what a mesh gains must be thought of here. Colours hide nothing, but for holes.
         let Mesh { positions: _, normals: _, triangles, colors: _, texture_coordinates, textures: _, masks, coverage } =
@@ -78,9 +78,9 @@ pub(crate) fn shape_key(frame: &Frame<'_>, bands: usize, directions: usize) -> C
     key
 }
 
-/// The key of what depends on how they reflect, too.
-pub(crate) fn colour_key(shape: &CacheKey, frame: &Frame<'_>) -> CacheKey {
-    let mut key = shape.clone().bytes(b"reflected");
+/// The key of what they reflect, in so many bands.
+pub(crate) fn colour_key(shape: &CacheKey, frame: &Frame<'_>, bands: usize) -> CacheKey {
+    let mut key = shape.clone().bytes(b"reflected").value(&(bands as u64));
     for object in &frame.scene.objects {
         let Mesh { colors, texture_coordinates, textures, .. } = &*object.mesh;
         let Material { albedo, texture, .. } = &object.material;

@@ -54,7 +54,7 @@ pub(crate) fn bake(
         transfer.values = rows.points.par_iter().flat_map_iter(open).collect();
         progress.advance(rows.points.len() as u64);
     } else {
-        let shape = shape_key(&frame, settings.bands, settings.directions);
+        let shape = shape_key(&frame, settings.directions);
         let surfaces = Surfaces::new(&frame, &rows);
         let chunks = Chunks::new(cache, progress);
         let passes = Passes { hemisphere: &hemisphere, surfaces: &surfaces, points: &rows.points, chunks: &chunks };
@@ -62,7 +62,7 @@ pub(crate) fn bake(
         transfer.values = direct.iter().flat_map(|direct| &direct.values).copied().collect();
         let channels = if surfaces.are_grey() { 1 } else { 3 };
         for bounce in 1..=bounces {
-            let key = colour_key(&shape, &frame).value(&(bounce as u64));
+            let key = colour_key(&shape, &frame, settings.bands).value(&(bounce as u64));
             transfer.values = passes.bounce(&key, &direct, &transfer, channels)?;
             transfer.channels = channels;
         }

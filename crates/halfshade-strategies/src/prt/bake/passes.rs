@@ -4,9 +4,9 @@ use super::{chunks::Chunks, hemisphere::Hemisphere, surface::Surfaces, table::Tr
 use glam::{DMat3, Vec3};
 use halfshade_scene::cache::CacheKey;
 use halfshade_strategy::StrategyError;
-use serde::{Deserialize, Serialize};
+use rayon::prelude::*;
 
-/// What rays are traced from, and against.
+/// Rays: where they start, along what, and against which surfaces.
 pub(crate) struct Passes<'a> {
     pub(crate) hemisphere: &'a Hemisphere,
     pub(crate) surfaces: &'a Surfaces,
@@ -16,7 +16,7 @@ pub(crate) struct Passes<'a> {
 }
 
 /// Transfer of light that arrives straight at a row.
-#[derive(Debug, Serialize, Deserialize)]
+#[derive(Debug)]
 pub(crate) struct DirectRow {
     pub(crate) values: Vec<f32>,
     /// A bit per direction, 1 where something is in the way; empty if nothing is anywhere.
@@ -24,28 +24,40 @@ pub(crate) struct DirectRow {
 }
 
 impl Passes<'_> {
-    /// `T_0` of every row.
+    /// `T_0` of every row. What takes rays doesn't depend on the number of bands, and is kept for all of them.
     pub(crate) fn direct(&self, key: &CacheKey) -> Result<Vec<DirectRow>, StrategyError> {
-        let count = self.hemisphere.count();
-        let words = count.div_ceil(64);
-        let fits = |row: &DirectRow| {
-            row.values.len() == self.hemisphere.coefficients() && [0, words].contains(&row.blocked.len())
+        let words = self.hemisphere.count().div_ceil(64);
+        let fits = |blocked: &Vec<u64>| [0, words].contains(&blocked.len());
+        let blocked = self.chunks.of(key, self.points.len(), fits, |number| self.blocked(self.points[number]))?;
+        let direct = |(&point, blocked): (&(Vec3, Vec3), Vec<u64>)| DirectRow {
+            values: self.transfer(point, &blocked).into_iter().map(|value| value as f32).collect(),
+            blocked,
         };
-        self.chunks.of(key, self.points.len(), fits, |number| {
-            let point = self.points[number];
-            let frame = Hemisphere::frame(point.0, point.1);
-            let is_blocked = |k: usize| self.surfaces.is_blocked(point, self.along(&frame, k));
-            let mut blocked = vec![0_u64; words];
-            (0..count).filter(|&k| is_blocked(k)).for_each(|k| blocked[k / 64] |= 1 << (k % 64));
-            let mut values = self.hemisphere.open(point.1);
-            if blocked.iter().any(|word| *word != 0) {
-                let taken = self.hemisphere.sum(&frame, set_bits(&blocked));
-                values.iter_mut().zip(taken).for_each(|(value, taken)| *value -= taken);
-            } else {
-                blocked.clear();
-            }
-            DirectRow { values: values.into_iter().map(|value| value as f32).collect(), blocked }
-        })
+        Ok(self.points.par_iter().zip(blocked).map(direct).collect())
+    }
+
+    /// Bits of the directions in which something is in the way.
+    fn blocked(&self, point: (Vec3, Vec3)) -> Vec<u64> {
+        let frame = Hemisphere::frame(point.0, point.1);
+        let count = self.hemisphere.count();
+        let mut blocked = vec![0; count.div_ceil(64)];
+        for k in (0..count).filter(|&k| self.surfaces.is_blocked(point, self.along(&frame, k))) {
+            blocked[k / 64] |= 1 << (k % 64);
+        }
+        if blocked.iter().all(|word| *word == 0) {
+            blocked.clear();
+        }
+        blocked
+    }
+
+    /// The closed form less what is blocked.
+    fn transfer(&self, (position, normal): (Vec3, Vec3), blocked: &[u64]) -> Vec<f64> {
+        let mut values = self.hemisphere.open(normal);
+        if !blocked.is_empty() {
+            let taken = self.hemisphere.sum(&Hemisphere::frame(position, normal), set_bits(blocked));
+            values.iter_mut().zip(taken).for_each(|(value, taken)| *value -= taken);
+        }
+        values
     }
 
     /// `T_b` of every row, given `T_{b-1}`.

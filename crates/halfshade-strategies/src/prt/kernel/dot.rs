@@ -16,7 +16,7 @@ pub(crate) type LightVectors = [[f32x8; MOST_EIGHTS]; 3];
 /// Partial sums of one receiver, by channel.
 type Partial = [f32x8; 3];
 
-/// Rows of the table that a receiver lies between, and their weights; one of weight 0 is not read.
+/// Rows of the table that a receiver lies between, and their weights; a weight of 0 goes with any row.
 pub(crate) type Between = [(usize, f32); 3];
 
 /// `T · l` of eight receivers, channel by channel: `partial` gives the sums of each.
@@ -52,7 +52,7 @@ pub(crate) fn between_rows<const N: usize, const C: usize>(
     for vector in 0..C {
         for eight in 0..const { N.div_ceil(LANES) } {
             let mut values = f32x8::ZERO;
-            for &(row, weight) in rows.iter().filter(|(_, weight)| *weight != 0.0) {
+            for &(row, weight) in rows {
                 let place = row * C * N + vector * N + eight * LANES;
                 values = eight_at(table, place).mul_add(f32x8::splat(weight), values);
             }

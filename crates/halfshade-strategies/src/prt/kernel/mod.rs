@@ -1,3 +1,3 @@
-//! What has a twin: functions of arrays and numbers.
+//! Functions of arrays and numbers, which have twins elsewhere than on the processor.
 
 pub(crate) mod dot;
