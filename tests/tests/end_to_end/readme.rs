@@ -24,7 +24,7 @@ fn the_readme_tells_figures_of_the_results() {
     let stored = table(&tables, |header| header.iter().any(|cell| cell == "frames/s"));
     assert!(
         tables
-            .find("### vases, fitted to shadows, frame 60: 15022 vertices")
+            .find("### vases, frame 60: 15022 vertices")
             .is_some_and(|place| tables[..place].matches("| strategy").count() == 0)
     );
     let columns =

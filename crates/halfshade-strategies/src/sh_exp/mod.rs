@@ -56,7 +56,9 @@
 //! **Limits.** Few bands blur shadows: with `sun=projected` the sun's shadow is as wide as the last band. Of lamps, objects
 //! without spheres hide nothing; one that surrounds receivers is constant light behind all spheres; and an object's own mesh hides them from its vertices to 7 degrees. Products and
 //! exponentials multiply overlapping blockers as if band-limited functions were exact, which leaves dense sets too bright
-//! or too dark; shares don't, and cost more at few bands (`results/soft-shadows`).
+//! or too dark; shares don't, and cost more at few bands (`results/soft-shadows`). `overlap=balanced` weights spheres of one object by
+//! a power of the share of its silhouette that is theirs: at no cost per receiver, but pairs of spheres are compared to find it, so
+//! that thousands of them bake for minutes.
 //!
 //! **Continuity.** As published, the hybrid steps where |f̂| passes the magnitude limit times a power of two and it squares
 //! once more. `squaring=continuous` blends that away, see [`halfshade_sh::exponential::Exponential::blended`], for one
