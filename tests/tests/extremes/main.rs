@@ -43,7 +43,7 @@ use std::{
 };
 
 /// A minute on two cores.
-const SCENES: u64 = 100;
+const SCENES: u64 = 60;
 
 /// Value of an environment variable, if it is a number.
 fn asked(variable: &str) -> Option<u64> {

@@ -58,8 +58,8 @@ const SH_EXP_BESIDE: [&str; 15] = [
 const RAYS: [&str; 8] = [
     "plain,samples=16,sampling=light",
     "plain,samples=16,sampling=cosine",
-    "plain,samples=100",
-    "unfiltered,samples=100,sampling=mis",
+    "plain,samples=20",
+    "unfiltered,samples=20,sampling=mis",
     "unfiltered,samples=1",
     "unfiltered,samples=100",
     "unfiltered,samples=5,estimator=plain",

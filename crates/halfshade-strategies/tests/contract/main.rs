@@ -149,7 +149,7 @@ fn what_is_kept_was_made_without_spheres() {
 const LOBES: Bounds = Bounds { constant: 1e-5, quadrature: 0.05, gloss: 0.15, rotation: 0.02, brightening: 0.01 };
 
 contract_tests!(cosine_lobe, CosineLobe, "", LOBES);
-contract_tests!(cosine_lobe_sampled, CosineLobe, "integration=sampled,samples=256", LOBES);
+contract_tests!(cosine_lobe_sampled, CosineLobe, "integration=sampled,samples=64", LOBES);
 contract_tests!(cosine_lobe_shallow, CosineLobe, "depth=3,threshold=0", Bounds { rotation: 0.1, ..LOBES });
 // The cubes of space don't turn with the scene.
 contract_tests!(cosine_lobe_shared, CosineLobe, "share=0.1", Bounds { rotation: 0.2, ..LOBES });

@@ -246,7 +246,7 @@ fn ratios_hide_the_borders_of_clusters() {
     let leaves = shade(scene, &frame, &vertices, "own=spheres");
     assert_eq!(leaves, shade(scene, &frame, &vertices, "own=spheres,levels=cluster,cut-angle=0"));
     let receivers = rows();
-    for (levels, bounces) in [("cluster", 0), ("cluster", 1), ("tree", 0)] {
+    for (levels, bounces) in [("cluster", 1), ("tree", 0)] {
         let of =
             |settings: &str| shade(scene, &frame, &receivers, &format!("own=spheres,bounces={bounces},{settings}"));
         let fine = of("");
