@@ -194,7 +194,8 @@ fn cosine_lobes_follow_captured_light() {
     for probe in &probes {
         let projection = if probe.to_string_lossy().contains("angular") { ":angular" } else { "" };
         let light = format!("{}{projection}", probe.display());
-        experiment += &format!("[[scene]]\nname = {mesh:?}\nenvironment = {light:?}\nspheres = 16\n");
+        experiment +=
+            &format!("[[scene]]\nname = {mesh:?}\nenvironment = {light:?}\nspheres = 16\nfit = \"bounding\"\n");
     }
     write(here.path(), "probes.toml", experiment);
     stdout(halfshade(here.path()).args(["run", "probes.toml"]));
