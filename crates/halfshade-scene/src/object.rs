@@ -1,6 +1,8 @@
 //! An object of a scene: its surface, how it reflects, where it is, the spheres that stand for it.
 
-use crate::{Deformed, Gloss, GlossVariation, Material, Mesh, Motion, Pose, Skin, SphereFit, SphereSet, Texture};
+use crate::{
+    Deformed, Gloss, GlossVariation, Material, Mesh, Motion, Pose, Skin, SphereFit, SphereSet, Texture, light::is_grey,
+};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
@@ -41,6 +43,12 @@ impl Object {
             motion: Motion::Still(Pose::IDENTITY),
             skin: None,
         }
+    }
+
+    /// Whether its diffuse reflectance is grey everywhere, as far as can be told without looking into textures.
+    pub fn is_grey(&self) -> bool {
+        let has_texture = self.material.texture.is_some() || !self.mesh.textures.is_empty();
+        !has_texture && is_grey(self.material.albedo) && self.mesh.colors.iter().all(|&color| is_grey(color))
     }
 
     /// Replaces the material.

@@ -70,7 +70,10 @@ pub(super) fn scene(source: &Source<'_>, document: Document) -> Result<Scene> {
         notes,
     };
     // Its name is the file's own.
-    Ok(still.map_or(scene.clone(), |index| Scene { name, ..scene.still_at(index) }))
+    Ok(match still {
+        None => scene,
+        Some(index) => Scene { name, ..scene.still_at(index) },
+    })
 }
 
 /// The pose of what reaches as far as `size` from its origin.

@@ -2,12 +2,10 @@
 
 pub use super::shade::place::Place;
 
-use super::BakedScene;
+use super::{BakedScene, bake::hemisphere::open_transfer};
 use glam::{DVec3, Vec3};
 use halfshade_scene::{Frame, Receivers};
-use halfshade_sh::zonal;
 use halfshade_strategy::StrategyError;
-use std::f64::consts::PI;
 
 /// Everything that holds for all frames of a scene.
 #[derive(Debug, Clone, Copy)]
@@ -48,8 +46,7 @@ impl BakedScene {
     pub fn open_vector(&self, frame: &Frame<'_>, normal: Vec3) -> Vec<f32> {
         let baked_from_world = self.arrangement.baked_from_world(&frame.world_from_object);
         let axis = (baked_from_world * normal.as_dvec3()).normalize_or(DVec3::Y);
-        let cosine: Vec<f64> = zonal::clamped_cosine(self.transfer.bands).into_iter().map(|value| value / PI).collect();
-        zonal::rotate_to_axis(&cosine, axis.to_array()).into_iter().map(|value| value as f32).collect()
+        open_transfer(self.transfer.bands, axis).into_iter().map(|value| value as f32).collect()
     }
 
     /// Rows between which each receiver lies.

@@ -4,6 +4,7 @@
 pub(crate) mod adjustment;
 pub(crate) mod blockers;
 pub(crate) mod by_mesh;
+pub(crate) mod cosine_spiral;
 pub(crate) mod divided_light;
 pub(crate) mod irradiance;
 pub(crate) mod lamps;
@@ -14,6 +15,7 @@ pub(crate) mod placed_spheres;
 pub mod projected_light;
 pub(crate) mod rotate;
 pub(crate) mod scene_occlusion;
+pub(crate) mod split_mix;
 pub(crate) mod tangent_plane;
 #[cfg(test)]
 pub(crate) mod test_scenes;

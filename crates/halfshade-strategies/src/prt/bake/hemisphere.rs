@@ -12,8 +12,9 @@
 //! boundary alone: the estimator of either kind would have that of the whole where most is blocked, or open. SH of n bands stay
 //! such when they are turned, so that the weights hold about every normal.
 
+use crate::shared::{cosine_spiral::cosine_spiral, split_mix::split_mix};
 use glam::{DMat3, DVec3, Vec3};
-use halfshade_sh::{basis, quadrature::GOLDEN_ANGLE, rotation::ShRotation, zonal};
+use halfshade_sh::{basis, rotation::ShRotation, zonal};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::{PI, TAU};
 
@@ -28,21 +29,18 @@ pub(crate) struct Hemisphere {
     directions: Vec<(DVec3, f64)>,
     /// Per direction, its weight times the basis.
     values: Vec<f64>,
-    /// Clamped cosine over π, by band.
-    cosine: Vec<f64>,
 }
 
 impl Hemisphere {
     pub(crate) fn new(bands: usize, count: usize) -> Self {
-        let spiral: Vec<DVec3> = (0..count).map(|k| cosine_direction(k, count)).collect();
+        let spiral: Vec<DVec3> = cosine_spiral(count).collect();
         let weights =
             weights((1..=bands).rev().find(|b| b * b * DIRECTIONS_PER_FUNCTION <= count).unwrap_or(1), &spiral);
         let values = spiral.iter().zip(&weights).flat_map(|(direction, weight)| {
             let y = basis::evaluate(bands, direction.to_array());
             y.into_iter().map(move |value| weight * value)
         });
-        let cosine = zonal::clamped_cosine(bands).into_iter().map(|value| value / PI).collect();
-        Self { bands, values: values.collect(), directions: spiral.into_iter().zip(weights).collect(), cosine }
+        Self { bands, values: values.collect(), directions: spiral.into_iter().zip(weights).collect() }
     }
 
     /// Number of directions.
@@ -67,7 +65,7 @@ impl Hemisphere {
 
     /// Transfer of a vertex that sees everything: `1/π ∫ y(ω) max(n·ω, 0) dω`.
     pub(crate) fn open(&self, normal: Vec3) -> Vec<f64> {
-        zonal::rotate_to_axis(&self.cosine, axis_of(normal).to_array())
+        open_transfer(self.bands, axis_of(normal))
     }
 
     /// The rotation that turns directions about +Z into directions about the normal of a vertex. It is turned about the normal
@@ -77,7 +75,7 @@ impl Hemisphere {
         let (tangent, bitangent) = axis.any_orthonormal_pair();
         let bits = position.to_array().into_iter().chain(normal.to_array());
         // Zeros of either sign are one place.
-        let hash = bits.fold(0_u64, |hash, value| mixed(hash ^ u64::from((value + 0.0).to_bits())));
+        let hash = bits.fold(0_u64, |hash, value| split_mix(hash ^ u64::from((value + 0.0).to_bits())));
         let (sin, cos) = ((hash >> 11) as f64 * (TAU / (1_u64 << 53) as f64)).sin_cos();
         DMat3::from_cols(cos * tangent + sin * bitangent, cos * bitangent - sin * tangent, axis)
     }
@@ -94,17 +92,15 @@ impl Hemisphere {
     }
 }
 
+/// Transfer about unit `axis` where nothing hides any light: the clamped cosine over π.
+pub(crate) fn open_transfer(bands: usize, axis: DVec3) -> Vec<f64> {
+    let cosine: Vec<f64> = zonal::clamped_cosine(bands).into_iter().map(|value| value / PI).collect();
+    zonal::rotate_to_axis(&cosine, axis.to_array())
+}
+
 /// A normal of unit length, whatever a mesh says.
 fn axis_of(normal: Vec3) -> DVec3 {
     normal.as_dvec3().normalize_or(DVec3::Y)
-}
-
-/// Direction k of so many, about +Z with the density cos/π.
-fn cosine_direction(k: usize, count: usize) -> DVec3 {
-    let squared = (k as f64 + 0.5) / count as f64;
-    let (sin, cos) = (k as f64 * GOLDEN_ANGLE).sin_cos();
-    let across = squared.sqrt();
-    DVec3::new(across * cos, across * sin, (1.0 - squared).sqrt())
 }
 
 /// Weights near 1/K that are exact for so many bands.
@@ -113,22 +109,13 @@ fn weights(bands: usize, directions: &[DVec3]) -> Vec<f64> {
     let columns: Vec<_> =
         directions.iter().map(|direction| DVector::from_vec(basis::evaluate(bands, direction.to_array()))).collect();
     let y = DMatrix::from_columns(&columns);
-    let cosine: Vec<f64> = zonal::clamped_cosine(bands).into_iter().map(|value| value / PI).collect();
-    let exact = DVector::from_vec(zonal::rotate_to_axis(&cosine, [0.0, 0.0, 1.0]));
+    let exact = DVector::from_vec(open_transfer(bands, DVec3::Z));
     let missing = exact - &y * DVector::repeat(directions.len(), equal);
     let gram = (&y * y.transpose()).svd(true, true);
     let least = 1e-12 * gram.singular_values.max();
     // Both factors were asked for.
     let change = gram.solve(&missing, least).unwrap_or_else(|_| DVector::zeros(missing.len()));
     (y.tr_mul(&change)).iter().map(|change| equal + change).collect()
-}
-
-/// The finalizer of SplitMix64 (Steele, Lea and Flood 2014).
-fn mixed(x: u64) -> u64 {
-    let x = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    let x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    x ^ (x >> 31)
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@
 
 pub(crate) mod arrangement;
 mod chunks;
-mod hemisphere;
+pub(crate) mod hemisphere;
 mod passes;
 pub(crate) mod rows;
 mod surface;

@@ -4,7 +4,7 @@ use super::rows::{Back, ObjectRows, Rows};
 use crate::shared::scene_occlusion::{Meshes, Occlusion};
 use glam::{DVec3, Vec3};
 use halfshade_rays::{Crossing, SceneRays};
-use halfshade_scene::{Frame, Object, Pose, light::is_grey};
+use halfshade_scene::{Frame, Object, Pose};
 
 /// Surfaces of one frame.
 pub(crate) struct Surfaces {
@@ -72,9 +72,6 @@ impl Surfaces {
 
     /// Whether no surface reflects one channel more than another.
     pub(crate) fn are_grey(&self) -> bool {
-        self.objects.iter().all(|PlacedObject { object, .. }| {
-            let has_texture = object.material.texture.is_some() || !object.mesh.textures.is_empty();
-            !has_texture && is_grey(object.material.albedo) && object.mesh.colors.iter().all(|&color| is_grey(color))
-        })
+        self.objects.iter().all(|placed| placed.object.is_grey())
     }
 }

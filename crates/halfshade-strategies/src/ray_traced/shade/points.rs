@@ -1,5 +1,7 @@
 //! Low-discrepancy points, shifted anew for each receiver.
 
+use crate::shared::split_mix::{STEP, split_mix};
+
 /// The additive recurrence x_i = x_0 + i·α modulo 1 with α_j = φ^-j, φ the root above 1 of φ^(d+1) = φ + 1: the
 /// generalized golden ratio, whose multiples fill d dimensions evenly for any number of points. The shift x_0 is uniform
 /// and hashed from the receiver, so that every point is uniform by itself and the estimate unbiased.
@@ -39,13 +41,11 @@ impl<const D: usize> Points<D> {
     }
 }
 
-/// SplitMix64 (Steele, Lea and Flood 2014).
+/// The next number of a state.
 fn next_hash(state: &mut u64) -> u64 {
-    *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    let mut x = *state;
-    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    x ^ (x >> 31)
+    let hash = split_mix(*state);
+    *state = state.wrapping_add(STEP);
+    hash
 }
 
 #[cfg(test)]

@@ -19,15 +19,12 @@
 
 use crate::shared::{
     by_mesh::{ByMesh, distinct},
+    cosine_spiral::cosine_spiral,
     triangle_rays::{Start, TriangleRays},
 };
 use glam::{DMat3, DVec3, Vec3};
 use halfshade_scene::{Mesh, Object, Scene, light::OctahedralGrid};
-use halfshade_sh::{
-    basis,
-    quadrature::{GOLDEN_ANGLE, SphereQuadrature},
-    rotation::ShRotation,
-};
+use halfshade_sh::{basis, quadrature::SphereQuadrature, rotation::ShRotation};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::{f64::consts::TAU, sync::Arc};
@@ -126,7 +123,7 @@ struct HemisphereFit {
 
 impl HemisphereFit {
     fn new(bands: usize, count: usize) -> Self {
-        let directions: Vec<DVec3> = cosine_directions(count).collect();
+        let directions: Vec<DVec3> = cosine_spiral(count).collect();
         let coefficients = bands * bands;
         let column = |direction: [f64; 3]| DVector::from_vec(basis::evaluate(bands, direction));
         let columns: Vec<_> = directions.iter().map(|direction| column(direction.to_array())).collect();
@@ -160,16 +157,6 @@ impl HemisphereFit {
         }
         sum.into_iter().map(|value| value as f32).collect()
     }
-}
-
-/// Directions about +Z with the density cos/π: a spiral of equal steps.
-fn cosine_directions(count: usize) -> impl Iterator<Item = DVec3> {
-    (0..count).map(move |k| {
-        let squared = (k as f64 + 0.5) / count as f64;
-        let (sin, cos) = (k as f64 * GOLDEN_ANGLE).sin_cos();
-        let across = squared.sqrt();
-        DVec3::new(across * cos, across * sin, (1.0 - squared).sqrt())
-    })
 }
 
 #[cfg(test)]

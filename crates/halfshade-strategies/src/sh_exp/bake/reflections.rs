@@ -6,7 +6,7 @@ use super::{
     surface::{self, Covered, SphereSurface},
 };
 use crate::sh_exp::settings::{Average, GroundMode, Intersections, Order, Settings, Walk};
-use halfshade_scene::{Frame, Object, Scene, Sphere, light::is_grey};
+use halfshade_scene::{Frame, Object, Scene, Sphere};
 use halfshade_sh::{
     blocker_table::BlockerTable, form_factor::FormFactorTable, kernel::BatchExponential, mean_normal::MeanNormalTable,
     zonal,
@@ -58,12 +58,8 @@ impl ReflectionTables {
         };
         // Objects without spheres colour the light of those that have some, if they are seen.
         let ground_is_seen = settings.ground == GroundMode::Seen;
-        let colourless = scene.objects.iter().all(|object| {
-            let textured = object.material.texture.is_some() || !object.mesh.textures.is_empty();
-            let grey_surface =
-                is_grey(object.material.albedo) && object.mesh.colors.iter().all(|&color| is_grey(color));
-            object.sphere_count == 0 && !ground_is_seen || grey_surface && !textured
-        });
+        let colourless =
+            scene.objects.iter().all(|object| object.sphere_count == 0 && !ground_is_seen || object.is_grey());
         let surface_channels = if colourless { 1 } else { 3 };
         let geodesic = Geodesic::new(bands, settings.sample_divisions);
         let (mut surfaces, mut owners, mut neighbours) = (Vec::new(), Vec::new(), Vec::new());
