@@ -33,7 +33,7 @@
 //! **As published** is a preset, `as-published`. The defaults depart from it where scenes came nearer to the truth at no more
 //! cost (`results/thesis-frame-rates`, `results/soft-shadows`): rules for cut spheres and squaring without jumps, a magnitude
 //! limit that falls with the bands, leaves instead of clusters, intersecting spheres taken in order instead of baking who covers
-//! whom; and three things that spheres and few bands can't show.
+//! whom, spheres of one object that share what they cover together; and three things that spheres and few bands can't show.
 //!
 //! **Beyond the papers.** `own=baked` asks the mesh, once per vertex, what it hides from itself, in the place of the object's
 //! own spheres, see `bake/own.rs`; objects that deform fall back on those. `sun=apart` takes suns and small bright parts of
@@ -54,11 +54,12 @@
 //! between 0 and unshadowed, with more it isn't below 0. `tests/sh_exp/stability.rs` holds the method to all that.
 //!
 //! **Limits.** Few bands blur shadows: with `sun=projected` the sun's shadow is as wide as the last band. Of lamps, objects
-//! without spheres hide nothing; one that surrounds receivers is constant light behind all spheres; and an object's own mesh hides them from its vertices to 7 degrees. Products and
-//! exponentials multiply overlapping blockers as if band-limited functions were exact, which leaves dense sets too bright
-//! or too dark; shares don't, and cost more at few bands (`results/soft-shadows`). `overlap=balanced` weights spheres of one object by
-//! a power of the share of its silhouette that is theirs: at no cost per receiver, but pairs of spheres are compared to find it, so
-//! that thousands of them bake for minutes.
+//! without spheres hide nothing; one that surrounds receivers is constant light behind all spheres; and an object's own mesh
+//! hides them from its vertices to 7 degrees. Products and exponentials multiply blockers as if band-limited functions were exact.
+//! Spheres of one object that lie in each other would block a direction many times: `overlap=balanced` weights them by a
+//! power of the share of the silhouette that is theirs, at no cost per receiver, so that denser sets err hardly more
+//! (`results/spheres-vs-error`). Shares are those of far views, averaged: within or below thousands of spheres light comes
+//! through. `exp=shares` asks every receiver instead, and costs more at few bands.
 //!
 //! **Continuity.** As published, the hybrid steps where |f̂| passes the magnitude limit times a power of two and it squares
 //! once more. `squaring=continuous` blends that away, see [`halfshade_sh::exponential::Exponential::blended`], for one

@@ -228,7 +228,7 @@ settings! {
         /// spheres that cut the tangent plane
         "rule" => rule: Rule = Rule::Continuous;
         /// spheres of one object that cover each other
-        "overlap" => overlap: Overlap = Overlap::Independent;
+        "overlap" => overlap: Overlap = Overlap::Balanced;
         /// spheres of the hierarchy that a receiver sees
         "levels" => levels: Levels = Levels::Leaves;
         /// children per parent in the hierarchy

@@ -83,7 +83,8 @@ fn a_bent_hand_is_shaded_as_well_as_an_open_one() {
         let options = Options { samples: 256, bounces: 1, geometry, ..Options::default() };
         let truth = estimate(&Tracer::new(&frame), receivers.view(), &options, &Silent);
         let shape_of_another = Frame { deformed: scene.frame(blockers_at).deformed, ..scene.frame(index) };
-        let radiance = common::shaded(&ShExp, scene, &shape_of_another, &receivers, "spheres-alone");
+        let radiance =
+            common::shaded(&ShExp, scene, &shape_of_another, &receivers, "spheres-alone,overlap=independent");
         differences(&radiance, &truth.radiance).0 / truth.unshadowed_mean
     };
     let (open, bent, left_behind) = (error(0, 0), error(60, 60), error(60, 0));
