@@ -39,6 +39,9 @@ pub struct Results {
     pub machine: Machine,
     /// Names of all strategies in a fixed order, which gives each its colour.
     pub strategies: Vec<String>,
+    /// Label of the strategy that all others are compared with in verdicts, if the experiment names one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub baseline: Option<String>,
     /// The scenes.
     pub scenes: Vec<SceneFacts>,
     /// One entry per scene, frame, kind of receivers, reference and strategy.

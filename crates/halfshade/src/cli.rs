@@ -278,6 +278,8 @@ pub enum FormatChoice {
     Latex,
     /// One page.
     Html,
+    /// Aligned columns, without marks.
+    Text,
 }
 
 fn resolution(text: &str) -> Result<[u32; 2], String> {

@@ -102,7 +102,10 @@ fn an_experiment_runs_checks_reports_and_resumes() {
     let here = folder();
     write(here.path(), "small.toml", SMALL);
     let table = stdout(halfshade(here.path()).args(["run", "small.toml"]));
-    assert!(table.contains("### one-sphere, frame 0") && table.contains("Where the error comes from"), "{table}");
+    assert!(
+        table.starts_with("one-sphere, frame 0: ") && table.contains("\nVerdict: one-sphere, frame 0, vertices\n"),
+        "{table}"
+    );
     let out = here.path().join("out/small");
     assert_eq!(names(&out), [".halfshade", "pictures", "plots", "report.md", "results.csv", "results.json"]);
     assert_eq!(names(&out.join(".halfshade")), ["lock", "written"]);
@@ -128,13 +131,20 @@ fn an_experiment_runs_checks_reports_and_resumes() {
     }
     assert_eq!(fs::read_to_string(out.join("results.csv")).unwrap().lines().count(), 1 + runs.len());
 
-    for (format, start) in
-        [("md", "# small"), ("csv", "scene,frame"), ("latex", "% halfshade "), ("html", "<!DOCTYPE html>")]
-    {
+    for (format, start) in [
+        ("md", "# small"),
+        ("csv", "scene,frame"),
+        ("latex", "% halfshade "),
+        ("html", "<!DOCTYPE html>"),
+        ("text", "small\n=====\n"),
+    ] {
         let report = stdout(halfshade(here.path()).args(["report", "out/small", "--format", format]));
         assert!(report.starts_with(start), "{format}: {report}");
     }
     let report = stdout(halfshade(here.path()).args(["report", "out/small"]));
+    let [verdict, evidence] =
+        ["### Verdict: one-sphere", "### Where the error comes from"].map(|part| report.find(part));
+    assert!(verdict.is_some() && verdict < evidence, "{report}");
     assert_eq!(stdout(halfshade(here.path()).args(["report", "out/small", "-o", "moved.md"])), "");
     assert_eq!(fs::read_to_string(here.path().join("moved.md")).unwrap(), report);
     let error = refused(halfshade(here.path()).args(["report", "out/small", "-o", "out/small/results.json"]));
@@ -300,6 +310,9 @@ fn strategies_are_compared_with_each_other_where_an_experiment_asks_for_it() {
     let mae = difference["mae"].as_f64().unwrap();
     assert!(mae > 0.0 && mae < difference["mean"].as_f64().unwrap(), "{difference}");
     let report = stdout(halfshade(here.path()).args(["report", "out/small"]));
+    let [verdict, evidence] =
+        ["### Verdict: one-sphere", "### Where the error comes from"].map(|part| report.find(part));
+    assert!(verdict.is_some() && verdict < evidence, "{report}");
     assert!(report.contains("| ray-traced:samples=4 | ray-traced:samples=1 |"), "{report}");
     write(here.path(), "small.toml", pair("ray-traced:samples=2"));
     let error = refused(halfshade(here.path()).args(["run", "small.toml"]));

@@ -67,7 +67,7 @@ fn every_mesh_and_every_probe_runs() {
     let table = stdout(halfshade(here.path()).args(["run", "assets.toml"]));
     for mesh in &meshes {
         let name = mesh.file_stem().expect("a name").to_string_lossy();
-        assert!(table.contains(&format!("### {name}, frame 0")), "{name}: {table}");
+        assert!(table.contains(&format!("{name}, frame 0: ")), "{name}: {table}");
     }
     assert!(!table.contains("failed:") && !table.contains("unsupported:"), "{table}");
 }

@@ -2,7 +2,7 @@
 
 use super::{
     error_cell::relative_rmse,
-    groups::runs_of,
+    groups::Group,
     significant::significant,
     table::{Better, Cell, Column, Table},
 };
@@ -14,9 +14,10 @@ const CLASSES: [(&str, &str); 4] =
     [("own", "own object"), ("other", "another object"), ("ground", "the ground"), ("nothing", "nothing")];
 
 /// Relative RMSE of every strategy against the mesh, class by class; `None` if the experiment doesn't ask for it.
-pub(super) fn error_by_class(results: &Results, scene: &str, frame: usize, receivers: &str) -> Option<Table> {
+pub(super) fn error_by_class(results: &Results, group: &Group) -> Option<Table> {
     let classes_of = |run: &'_ Run| run.error.as_ref().map_or(Vec::new(), |error| error.classes.clone());
-    let runs: Vec<(&Run, Vec<ClassError>)> = runs_of(results, scene, frame, receivers)
+    let runs: Vec<(&Run, Vec<ClassError>)> = group
+        .runs(results)
         .filter(|run| run.reference() == "mesh")
         .map(|run| (run, classes_of(run)))
         .filter(|(_, classes)| !classes.is_empty())
@@ -37,7 +38,7 @@ pub(super) fn error_by_class(results: &Results, scene: &str, frame: usize, recei
         std::iter::once(Cell::text(run.label.as_str())).chain(shown.iter().map(|(class, _)| cell(class))).collect()
     });
     Some(Table {
-        title: format!("Error by what hides the light: {scene}, frame {frame} (rel. RMSE)"),
+        title: format!("Error by what hides the light: {} (rel. RMSE)", group.place()),
         rows: rows.collect(),
         columns: std::iter::once(Column::plain("strategy")).chain(shown.iter().map(|(_, c)| c.clone())).collect(),
         notes: vec![format!(
@@ -52,12 +53,15 @@ pub(super) fn error_by_class(results: &Results, scene: &str, frame: usize, recei
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{report::Format, results::tests::example};
+    use crate::{
+        report::{Format, groups::tests::only},
+        results::tests::example,
+    };
 
     #[test]
     fn classes_are_columns_in_a_fixed_order() {
         let mut results = example();
-        assert!(error_by_class(&results, "vases", 0, "vertices").is_none());
+        assert!(error_by_class(&results, &only()).is_none());
         for (run, factor) in results.runs.iter_mut().zip([1.0, 2.0]) {
             let error = run.error.as_mut().unwrap();
             let class = |class: &str, share: f64, rel_rmse: f64, resolved| ClassError {
@@ -68,7 +72,7 @@ mod tests {
             };
             error.classes = vec![class("ground", 0.25, 0.5 / factor, true), class("nothing", 0.75, 0.01, factor > 1.5)];
         }
-        let text = error_by_class(&results, "vases", 0, "vertices").unwrap().write(Format::Markdown, "");
+        let text = error_by_class(&results, &only()).unwrap().write(Format::Markdown, "");
         assert!(text.contains("| strategy | the ground (25 %) | nothing (75 %) |"), "{text}");
         assert!(text.contains("| fast:bands=4 | <u>0.500</u> | **not resolved (about 0.01)** |"), "{text}");
         assert!(

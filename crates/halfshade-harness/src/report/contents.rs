@@ -6,10 +6,11 @@ use super::{
     details::details,
     differences::differences,
     error_split::error_split,
-    groups::groups,
+    groups::Group,
     page::{Block, Page},
     plot::Plot,
     scene_table::scene_table,
+    verdict::verdicts,
 };
 use crate::Results;
 
@@ -26,7 +27,7 @@ pub fn provenance(results: &Results) -> String {
     )
 }
 
-/// The page for people: tables, plots and pictures scene by scene.
+/// The page for people: the verdicts, then tables, plots and pictures scene by scene.
 pub fn page(results: &Results) -> Page {
     let provenance = provenance(results);
     let mut blocks = vec![
@@ -34,16 +35,24 @@ pub fn page(results: &Results) -> Page {
         Block::Note(results.claim.clone()),
         Block::Note(format!("{provenance}.")),
     ];
-    for (scene, frame, receivers) in groups(results) {
-        blocks.push(Block::Heading(format!("{scene}, frame {frame}, {receivers}")));
-        blocks.push(Block::Table(scene_table(results, &scene, frame, &receivers)));
-        blocks.extend(Plot::error_against_time(results, &scene, frame, &receivers).map(Block::Plot));
+    blocks.extend(verdicts(results).into_iter().map(Block::Table));
+    for group in &Group::all(results) {
+        blocks.push(Block::Heading(group.to_string()));
+        blocks.push(Block::Table(scene_table(results, group)));
+        blocks.extend(Plot::error_against_time(results, group).map(Block::Plot));
         let further = [error_by_class, error_split, differences, details];
-        blocks.extend(further.iter().filter_map(|table| table(results, &scene, frame, &receivers)).map(Block::Table));
-        let pictures = results.pictures.iter().filter(|files| files.scene == scene && files.frame == frame);
+        blocks.extend(further.iter().filter_map(|table| table(results, group)).map(Block::Table));
+        let pictures = results.pictures.iter().filter(|files| files.scene == group.scene && files.frame == group.frame);
         blocks.push(Block::Pictures(pictures.cloned().collect()));
     }
     Page { provenance, blocks }
+}
+
+/// What a run ends with: a table per frame, and the verdicts.
+pub fn summary(results: &Results) -> Page {
+    let tables = Group::all(results).into_iter().map(|group| scene_table(results, &group));
+    let blocks = tables.chain(verdicts(results)).map(Block::Table).collect();
+    Page { provenance: provenance(results), blocks }
 }
 
 /// The page for programs: every number of every run.

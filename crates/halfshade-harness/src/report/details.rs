@@ -1,17 +1,17 @@
 //! Figures that only one strategy has.
 
 use super::{
-    groups::runs_of,
+    groups::Group,
     significant::significant,
     table::{Cell, Column, Table},
 };
 use crate::Results;
 
 /// One row for each list of figures of each strategy; `None` if the experiment didn't ask for any.
-pub(super) fn details(results: &Results, scene: &str, frame: usize, receivers: &str) -> Option<Table> {
+pub(super) fn details(results: &Results, group: &Group) -> Option<Table> {
     let mut labels: Vec<&str> = Vec::new();
     let mut rows = Vec::new();
-    for run in runs_of(results, scene, frame, receivers) {
+    for run in group.runs(results) {
         // Whatever the reference, it is the same that was baked.
         if labels.contains(&run.label.as_str()) {
             continue;
@@ -23,7 +23,7 @@ pub(super) fn details(results: &Results, scene: &str, frame: usize, receivers: &
         }
     }
     let columns = ["strategy", "of what", "figures"].map(Column::plain).to_vec();
-    let title = format!("What was baked: {scene}, frame {frame}");
+    let title = format!("What was baked: {}", group.place());
     (!rows.is_empty()).then_some(Table { title, columns, rows, notes: Vec::new() })
 }
 
@@ -35,14 +35,17 @@ fn figure(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{report::Format, results::tests::example};
+    use crate::{
+        report::{Format, groups::tests::only},
+        results::tests::example,
+    };
 
     #[test]
     fn every_list_is_a_row() {
-        let table = details(&example(), "vases", 0, "vertices").unwrap().write(Format::Markdown, "");
+        let table = details(&example(), &only()).unwrap().write(Format::Markdown, "");
         assert!(table.contains("| resolution by shell | 8 64 0.016 |"), "{table}");
         let mut results = example();
         results.runs.iter_mut().for_each(|run| run.details.clear());
-        assert!(details(&results, "vases", 0, "vertices").is_none());
+        assert!(details(&results, &only()).is_none());
     }
 }

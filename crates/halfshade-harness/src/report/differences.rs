@@ -1,24 +1,22 @@
 //! Strategies beside each other instead of beside the truth.
 
 use super::{
-    groups::runs_of,
+    groups::Group,
     significant::significant,
     table::{Cell, Column, Table},
 };
 use crate::{Results, metrics::relative, results::TimeFigures, statistics::Spread};
 
 /// One row for each pair; `None` if the experiment asks for none.
-pub(super) fn differences(results: &Results, scene: &str, frame: usize, receivers: &str) -> Option<Table> {
-    let of_frame =
-        |it: &&crate::results::Difference| it.scene == scene && it.frame == frame && it.receivers == receivers;
+pub(super) fn differences(results: &Results, group: &Group) -> Option<Table> {
     let time_of = |label: &str| {
-        let mut runs = runs_of(results, scene, frame, receivers).filter(|run| run.label == label);
+        let mut runs = group.runs(results).filter(|run| run.label == label);
         runs.find_map(|run| run.time.as_ref())
     };
     let rows: Vec<Vec<Cell>> = results
         .differences
         .iter()
-        .filter(of_frame)
+        .filter(|it| group.has(&it.scene, it.frame, &it.receivers))
         .map(|it| {
             let ratio = time_of(&it.first).zip(time_of(&it.second)).and_then(|(first, second)| ratio(first, second));
             let of_mean =
@@ -41,7 +39,7 @@ pub(super) fn differences(results: &Results, scene: &str, frame: usize, receiver
          second's, the median over rounds in which both ran."
             .into(),
     ];
-    let title = format!("Beside each other: {scene}, frame {frame}");
+    let title = format!("Beside each other: {}", group.place());
     (!rows.is_empty()).then(|| Table { title, columns: columns.map(Column::plain).to_vec(), rows, notes })
 }
 
@@ -54,17 +52,20 @@ fn ratio(first: &TimeFigures, second: &TimeFigures) -> Option<Spread> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{report::Format, results::tests::example};
+    use crate::{
+        report::{Format, groups::tests::only},
+        results::tests::example,
+    };
 
     #[test]
     fn every_pair_is_a_row_with_its_ratio_of_times() {
-        let table = differences(&example(), "vases", 0, "vertices").unwrap().write(Format::Markdown, "");
+        let table = differences(&example(), &only()).unwrap().write(Format::Markdown, "");
         let row = "| exact | fast:bands=4 | 0.0800 | -0.040 | 0.500 | 25.000 ± 0.000 |";
         assert!(table.contains(row), "{table}");
-        assert!(differences(&example(), "vases", 1, "vertices").is_none());
+        assert!(differences(&example(), &Group { frame: 1, ..only() }).is_none());
         let mut untimed = example();
         untimed.runs.iter_mut().for_each(|run| run.time = None);
-        let table = differences(&untimed, "vases", 0, "vertices").unwrap();
+        let table = differences(&untimed, &only()).unwrap();
         assert_eq!(table.rows[0][5], Cell::empty());
     }
 }

@@ -2,18 +2,18 @@
 
 use super::{
     error_cell::relative_rmse,
-    groups::runs_of,
+    groups::Group,
     table::{Better, Cell, Column, Table},
 };
 use crate::Results;
 
 /// Relative RMSE against every reference, strategy by strategy: what is left when a cause is taken away. `None` if there
 /// is only one reference.
-pub(super) fn error_split(results: &Results, scene: &str, frame: usize, receivers: &str) -> Option<Table> {
+pub(super) fn error_split(results: &Results, group: &Group) -> Option<Table> {
     let kind = |reference: &str| reference.split('=').next().unwrap_or("").to_owned();
     let mut kinds: Vec<String> = Vec::new();
     let mut labels: Vec<&str> = Vec::new();
-    for run in runs_of(results, scene, frame, receivers).filter(|run| run.error.is_some()) {
+    for run in group.runs(results).filter(|run| run.error.is_some()) {
         if !kinds.contains(&kind(run.reference())) {
             kinds.push(kind(run.reference()));
         }
@@ -35,7 +35,8 @@ pub(super) fn error_split(results: &Results, scene: &str, frame: usize, receiver
         .iter()
         .map(|label| {
             let cell = |wanted: &String| {
-                runs_of(results, scene, frame, receivers)
+                group
+                    .runs(results)
                     .filter(|run| run.label == *label && kind(run.reference()) == *wanted)
                     .find_map(|run| run.error.as_ref())
                     .map_or(Cell::empty(), |error| relative_rmse(&error.metrics))
@@ -44,7 +45,7 @@ pub(super) fn error_split(results: &Results, scene: &str, frame: usize, receiver
         })
         .collect();
     Some(Table {
-        title: format!("Where the error comes from: {scene}, frame {frame} (rel. RMSE)"),
+        title: format!("Where the error comes from: {} (rel. RMSE)", group.place()),
         columns,
         rows,
         notes: vec![
@@ -59,17 +60,17 @@ pub(super) fn error_split(results: &Results, scene: &str, frame: usize, receiver
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::tests::example;
+    use crate::{report::groups::tests::only, results::tests::example};
 
     #[test]
     fn a_second_reference_splits_the_error() {
         let mut results = example();
-        assert_eq!(error_split(&results, "vases", 0, "vertices"), None);
+        assert_eq!(error_split(&results, &only()), None);
         let mut run = results.runs[0].clone();
         run.error.as_mut().unwrap().reference = "spheres".into();
         run.error.as_mut().unwrap().metrics.rel_rmse = Some(0.125);
         results.runs.push(run);
-        let table = error_split(&results, "vases", 0, "vertices").unwrap();
+        let table = error_split(&results, &only()).unwrap();
         assert_eq!(
             table.rows[0].iter().map(|cell| cell.text.as_str()).collect::<Vec<_>>(),
             ["fast:bands=4", "0.200", "0.125"]

@@ -1,6 +1,6 @@
 //! Formats of pages and tables.
 
-use super::{csv, html, latex, markdown, page::Page, table::Table};
+use super::{csv, html, latex, markdown, page::Page, table::Table, text};
 
 /// Formats of pages and tables.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -13,6 +13,8 @@ pub enum Format {
     Latex,
     /// HTML.
     Html,
+    /// Aligned columns for a terminal.
+    Text,
 }
 
 impl Table {
@@ -23,6 +25,7 @@ impl Table {
             Format::Csv => csv::table(self),
             Format::Latex => latex::table(self, provenance),
             Format::Html => html::table(self),
+            Format::Text => text::table(self),
         }
     }
 }
@@ -35,6 +38,7 @@ impl Page {
             Format::Csv => csv::page(self),
             Format::Latex => latex::page(self),
             Format::Html => html::page(self),
+            Format::Text => text::page(self),
         }
     }
 }

@@ -11,6 +11,7 @@ mod legend;
 mod series;
 mod style;
 
+use super::groups::Group;
 use crate::{file_names, image_io::png_bytes, results::Results};
 use chart::draw;
 use plotters::prelude::*;
@@ -29,11 +30,11 @@ pub struct Plot {
 
 impl Plot {
     /// Error against time of all strategies; `None` if nothing was both scored and timed.
-    pub fn error_against_time(results: &Results, scene: &str, frame: usize, receivers: &str) -> Option<Self> {
-        let series = series(results, scene, frame, receivers);
+    pub fn error_against_time(results: &Results, group: &Group) -> Option<Self> {
+        let series = series(results, group);
         (!series.is_empty()).then(|| Self {
-            file: file_names::plot(scene, frame, receivers),
-            title: format!("{scene}, frame {frame}: error against time"),
+            file: file_names::plot(&group.scene, group.frame, &group.receivers),
+            title: format!("{}: error against time", group.place()),
             threads: results.machine.threads,
             series,
         })
@@ -64,15 +65,15 @@ impl Plot {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::tests::example;
+    use crate::{report::groups::tests::only, results::tests::example};
 
     #[test]
     fn both_formats_are_drawn_whole() {
-        let plot = Plot::error_against_time(&example(), "vases", 0, "vertices").unwrap();
+        let plot = Plot::error_against_time(&example(), &only()).unwrap();
         let (svg, png) = (plot.svg().unwrap(), plot.png().unwrap());
         assert!(svg.trim_end().ends_with("</svg>") && svg.contains("relative RMSE") && svg.contains("Pareto front"));
         let image = image::load_from_memory(&png).unwrap();
         assert_eq!((image.width(), image.height()), (2 * SIZE.0, 2 * SIZE.1));
-        assert!(Plot::error_against_time(&example(), "nowhere", 0, "vertices").is_none());
+        assert!(Plot::error_against_time(&example(), &Group { frame: 1, ..only() }).is_none());
     }
 }

@@ -2,9 +2,10 @@
 
 use super::{
     error_cell::relative_rmse,
-    groups::runs_of,
+    groups::Group,
     significant::significant,
     table::{Better, Cell, Column, Table},
+    units::{bytes, seconds, seconds_with_spread},
 };
 use crate::{
     Published, Weighting,
@@ -21,7 +22,7 @@ type SimilarityColumn = (Column, fn(&Similarity) -> Option<f64>);
 struct SceneRuns<'a> {
     runs: Vec<&'a Run>,
     /// The reference of the errors, in words.
-    reference: String,
+    reference: &'a str,
     /// Figures of pictures that any run has.
     similarities: Vec<SimilarityColumn>,
     /// Whether any run was timed.
@@ -34,13 +35,9 @@ struct SceneRuns<'a> {
 }
 
 /// Error against the first reference, and time, of every strategy on one frame.
-pub(super) fn scene_table(results: &Results, scene: &str, frame: usize, receivers: &str) -> Table {
-    let facts = results.scenes.iter().find(|facts| facts.name == scene);
-    let first = runs_of(results, scene, frame, receivers).map(Run::reference).find(|reference| !reference.is_empty());
-    let reference = first.unwrap_or("mesh").to_owned();
-    let runs: Vec<&Run> = runs_of(results, scene, frame, receivers)
-        .filter(|run| run.strategy != "reference" && (run.reference() == reference || run.status != Status::Ok))
-        .collect();
+pub(super) fn scene_table(results: &Results, group: &Group) -> Table {
+    let facts = results.scenes.iter().find(|facts| facts.name == group.scene);
+    let runs = group.strategies(results);
     let similarities: [SimilarityColumn; 2] =
         [(Column::ranked("FLIP", Better::Lower), |s| s.flip), (Column::ranked("SSIM", Better::Higher), |s| s.ssim)];
     let errors = || runs.iter().filter_map(|run| run.error.as_ref());
@@ -54,18 +51,21 @@ pub(super) fn scene_table(results: &Results, scene: &str, frame: usize, receiver
         timed: runs.iter().any(|run| run.frame_secs().is_some()),
         published: facts.map_or(&[][..], |facts| facts.published.as_slice()),
         runs,
-        reference,
+        reference: group.first_reference(results),
     };
     let title = match facts {
         Some(facts) => format!(
-            "{scene}, frame {frame}: {} vertices, {} triangles, {} spheres",
-            facts.vertices, facts.triangles, facts.spheres
+            "{}: {} vertices, {} triangles, {} spheres",
+            group.place(),
+            facts.vertices,
+            facts.triangles,
+            facts.spheres
         ),
-        None => format!("{scene}, frame {frame}"),
+        None => group.place(),
     };
     let columns = scene_runs.columns();
     let rows = scene_runs.runs.iter().map(|run| scene_runs.row(run, columns.len())).collect();
-    Table { title, columns, rows, notes: scene_runs.notes(&results.machine, receivers) }
+    Table { title, columns, rows, notes: scene_runs.notes(&results.machine, &group.receivers) }
 }
 
 impl SceneRuns<'_> {
@@ -83,18 +83,18 @@ impl SceneRuns<'_> {
             Column::ranked("max", Better::Lower),
         ]);
         columns.extend(self.similarities.iter().map(|(column, _)| column.clone()));
-        columns.push(Column::plain("bake s"));
+        columns.push(Column::plain("bake"));
         if self.timed {
-            columns.push(Column::plain("prepare ms"));
-            columns.push(Column::ranked("shade ms", Better::Lower));
+            columns.push(Column::plain("prepare"));
+            columns.push(Column::ranked("shade", Better::Lower));
             if self.has_devices {
-                columns.push(Column::plain("by its clock ms"));
-                columns.push(Column::plain("read back ms"));
+                columns.push(Column::plain("by its clock"));
+                columns.push(Column::plain("read back"));
             }
             columns.push(Column::ranked("frames/s", Better::Higher));
             if self.has_streams {
                 columns.push(Column::plain("frames/s in flight"));
-                columns.push(Column::plain("latency ms"));
+                columns.push(Column::plain("latency"));
             }
             let head = |p: &Published| Column::plain(format!("{}, {}: frames/s", p.method, p.hardware));
             columns.extend(self.published.iter().map(head));
@@ -125,21 +125,21 @@ impl SceneRuns<'_> {
         row.extend(self.similarities.iter().map(|(_, value)| {
             value(&error.similarity).map_or(Cell::empty(), |value| Cell::number(format!("{value:.4}"), value))
         }));
-        let time = run.time.as_ref();
-        row.push(time.map_or(Cell::empty(), |time| Cell::text(significant(time.bake_secs, 2))));
+        let times = run.time.as_ref();
+        row.push(times.map_or(Cell::empty(), |time| Cell::text(seconds(time.bake_secs, 2))));
         if self.timed {
-            row.push(millis(time.and_then(|time| time.prepare_secs)));
-            row.push(millis(time.and_then(|time| time.shade_secs)));
+            row.push(time(times.and_then(|time| time.prepare_secs)));
+            row.push(time(times.and_then(|time| time.shade_secs)));
             if self.has_devices {
-                row.push(millis(time.and_then(|time| time.device_secs)));
-                row.push(millis(time.and_then(|time| time.read_back_secs)));
+                row.push(time(times.and_then(|time| time.device_secs)));
+                row.push(time(times.and_then(|time| time.read_back_secs)));
             }
-            let rate = time.and_then(|time| time.frames_per_sec);
+            let rate = times.and_then(|time| time.frames_per_sec);
             row.push(rate.map_or(Cell::empty(), |value| Cell::number(significant(value, 3), value)));
             if self.has_streams {
-                let rate = time.and_then(|time| time.streamed_secs).filter(|spread| spread.median > 0.0);
+                let rate = times.and_then(|time| time.streamed_secs).filter(|spread| spread.median > 0.0);
                 row.push(rate.map_or(Cell::empty(), |spread| Cell::text(significant(spread.median.recip(), 3))));
-                row.push(millis(time.and_then(|time| time.latency_secs)));
+                row.push(time(times.and_then(|time| time.latency_secs)));
             }
             row.extend(self.published.iter().map(|p| Cell::text(significant(p.frames_per_sec, 3))));
         }
@@ -191,43 +191,32 @@ impl SceneRuns<'_> {
     }
 }
 
-/// A time in milliseconds, ranked by its median.
-fn millis(spread: Option<Spread>) -> Cell {
-    spread.map_or(Cell::empty(), |spread| {
-        let text = format!("{} ± {}", significant(1e3 * spread.median, 3), significant(1e3 * spread.mad, 1));
-        Cell::number(text, spread.median)
-    })
+/// A time, ranked by its median.
+fn time(spread: Option<Spread>) -> Cell {
+    spread.map_or(Cell::empty(), |spread| Cell::number(seconds_with_spread(spread.median, spread.mad), spread.median))
 }
 
 fn signed(value: f64) -> String {
     if value > 0.0 { format!("+{}", significant(value, 2)) } else { significant(value, 2) }
 }
 
-fn bytes(count: usize) -> String {
-    match count {
-        0..1024 => format!("{count} B"),
-        1024..1_048_576 => format!("{} KiB", significant(count as f64 / 1024.0, 3)),
-        _ => format!("{} MiB", significant(count as f64 / 1_048_576.0, 3)),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::{
-        report::{Format, all_runs::all_runs},
+        report::{Format, all_runs::all_runs, groups::tests::only},
         results::tests::example,
     };
 
     #[test]
     fn the_table_of_a_scene_shows_error_time_published_figures_and_reasons() {
-        let text = scene_table(&example(), "vases", 0, "vertices").write(Format::Markdown, "");
+        let text = scene_table(&example(), &only()).write(Format::Markdown, "");
         let rows: Vec<&str> = text.lines().filter(|line| line.starts_with("| ")).collect();
         assert!(rows[0].contains("Ren et al. pixel shader, GeForce 8800 GTX: frames/s"), "{text}");
         assert_eq!(
             rows[2],
-            "| fast:bands=4 | <u>0.200</u> | -0.10 | <u>0.160</u> | <u>0.400</u> | <u>0.500</u> | <u>0.600</u> | 0.25 | 0 ± 0 | \
-             **2.00 ± 0** | **500** | 95.0 | 2.00 KiB |"
+            "| fast:bands=4 | <u>0.200</u> | -0.10 | <u>0.160</u> | <u>0.400</u> | <u>0.500</u> | <u>0.600</u> | 250 ms | 0 ± 0 ms | \
+             **2.00 ± 0 ms** | **500** | 95.0 | 2.00 KiB |"
         );
         assert!(rows[3].starts_with("| exact | **0.0200** |"), "{text}");
         assert!(rows[4].starts_with("| blind | unsupported: can't model local lights |"), "{text}");
@@ -237,7 +226,7 @@ mod tests {
     fn an_unresolved_error_is_the_best() {
         let mut results = example();
         results.runs[0].error.as_mut().unwrap().metrics.resolved = false;
-        let text = scene_table(&results, "vases", 0, "vertices").write(Format::Markdown, "");
+        let text = scene_table(&results, &only()).write(Format::Markdown, "");
         assert!(text.contains("| fast:bands=4 | **not resolved (about 0.2)** |"), "{text}");
         assert!(text.contains("| exact | <u>0.0200</u> |"), "{text}");
     }
@@ -251,7 +240,7 @@ mod tests {
             }
         }
         for format in [Format::Markdown, Format::Latex, Format::Html, Format::Csv] {
-            let table = scene_table(&results, "vases", 0, "vertices").write(format, "");
+            let table = scene_table(&results, &only()).write(format, "");
             let text = table + &all_runs(&results).write(format, "");
             assert!(text.contains("no light") && !text.contains("NaN") && !text.contains("inf"), "{text}");
         }

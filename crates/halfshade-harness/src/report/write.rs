@@ -14,7 +14,7 @@ pub type Write<'a> = dyn FnMut(&Path, &[u8]) -> Result<(), HarnessError> + 'a;
 pub fn report(results: &Results, format: Format) -> String {
     match format {
         Format::Csv => data(results).write(format),
-        Format::Markdown | Format::Latex | Format::Html => page(results).write(format),
+        Format::Markdown | Format::Latex | Format::Html | Format::Text => page(results).write(format),
     }
 }
 

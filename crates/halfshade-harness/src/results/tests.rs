@@ -57,6 +57,7 @@ pub(crate) fn example() -> Results {
         revision: "0.1.0".into(),
         machine: Machine { cpu: "an abacus".into(), threads: 2, gpu: None, os: "none".into() },
         strategies: vec!["fast".into(), "exact".into(), "blind".into()],
+        baseline: None,
         scenes: vec![SceneFacts {
             name: "vases".into(),
             vertices: 1000,

@@ -1,4 +1,4 @@
-//! VariantChoice of an experiment's strategies that are pictured, and of those that are compared with each other.
+//! Choice of an experiment's strategies that are pictured, and of those that are compared with each other.
 
 use crate::{Device, Experiment, HarnessError, Variant};
 use halfshade_strategy::Strategy;
@@ -36,6 +36,11 @@ impl VariantChoice<'_> {
         settings.and_then(|settings| settings.difference.as_ref()).map(|specs| self.pair_of(specs)).transpose()
     }
 
+    /// Place of the variant that all others are compared with in verdicts, on the first device.
+    pub(super) fn baseline(&self) -> Result<Option<usize>, HarnessError> {
+        self.experiment.baseline.as_ref().map(|spec| self.place_of(spec)).transpose()
+    }
+
     /// Places of the pairs that are compared with each other: those that are named, on the first device, and the same on
     /// several devices.
     pub(super) fn pairs(&self) -> Result<Vec<[usize; 2]>, HarnessError> {
@@ -70,7 +75,7 @@ impl VariantChoice<'_> {
         let error = |problem| self.experiment.error_at(spec.span().start, problem);
         let device = self.devices.first().copied().unwrap_or_default();
         let key = Variant::parse(self.strategies, spec.get_ref()).map_err(error)?.on(device).key();
-        let unknown = || error(format!("`{}` is pictured or compared but not among the strategies", spec.get_ref()));
+        let unknown = || error(format!("`{}` is named here but not among the strategies", spec.get_ref()));
         self.variants.iter().position(|variant| variant.key() == key).ok_or_else(unknown)
     }
 }

@@ -45,6 +45,8 @@ pub struct Plan {
     pub details: bool,
     /// Places in `variants` of pairs that are compared with each other.
     pub pairs: Vec<[usize; 2]>,
+    /// Place in `variants` of the one that all others are compared with in verdicts.
+    pub baseline: Option<usize>,
     /// How exact the truth is.
     pub accuracy: Accuracy,
     /// How time is measured, if it is.
@@ -118,6 +120,7 @@ impl Plan {
             swept.iter().flat_map(|variant| devices.iter().map(|&device| variant.on(device))).collect();
         let choice = VariantChoice { experiment, strategies, devices, variants: &variants };
         let (pictured, difference, pairs) = (choice.pictured()?, choice.difference()?, choice.pairs()?);
+        let baseline = choice.baseline()?;
         let Loaded { scenes, inputs } = scenes(experiment, quick)?;
         // The mesh always comes first: it is the truth that everything is relative to.
         let others = experiment.references.iter().filter(|kind| **kind != ReferenceKind::Mesh);
@@ -142,6 +145,7 @@ impl Plan {
             classes: experiment.classes,
             details: experiment.details,
             pairs,
+            baseline,
             variants,
             accuracy,
             timing,

@@ -32,6 +32,7 @@ pub(super) fn report(context: &Context, arguments: &ReportArguments) -> Result<E
         FormatChoice::Csv => Format::Csv,
         FormatChoice::Latex => Format::Latex,
         FormatChoice::Html => Format::Html,
+        FormatChoice::Text => Format::Text,
     };
     if arguments.folder.is_dir() && format == Format::Markdown {
         // The page refers to the plots by name.

@@ -8,7 +8,7 @@ use crate::{
 };
 use halfshade_harness::{
     Device, Experiment,
-    report::{Format, page},
+    report::{Format, summary},
     run::RunOptions,
 };
 use halfshade_scene::Progress;
@@ -32,10 +32,7 @@ pub(super) fn run(context: &Context, arguments: &RunArguments) -> Result<ExitCod
     on_interrupt(resume_command(&context.arguments))?;
     let results =
         context.with_tools(graphics.as_ref(), |tools| halfshade_harness::run::run(&experiment, tools, &options))?;
-    let page = page(&results);
-    for table in page.tables() {
-        terminal::data(&format!("{}\n", table.write(Format::Markdown, &page.provenance)))?;
-    }
+    terminal::data(&format!("{}\n", summary(&results).write(Format::Text)))?;
     context.bars.note(&format!("tables, plots and pictures: {}", out.join("report.md").display()));
     Ok(ExitCode::SUCCESS)
 }

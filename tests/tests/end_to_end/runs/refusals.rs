@@ -80,5 +80,5 @@ fn colours_and_bars_are_left_out_where_nobody_can_see_them() {
         }
     }
     let plain = said("run small.toml", &[("TERM", "dumb")]).unwrap();
-    assert!(plain.contains("### corner") && !plain.contains('\x1b'), "{plain:?}");
+    assert!(plain.contains("\ncorner, frame 0: ") && !plain.contains('\x1b'), "{plain:?}");
 }

@@ -1,6 +1,9 @@
 //! Results as series of points, and their Pareto front.
 
-use super::{super::groups::runs_of, style::PALETTE};
+use super::{
+    super::{groups::Group, pareto::front},
+    style::PALETTE,
+};
 use crate::results::{Results, Run};
 use plotters::style::RGBColor;
 use std::collections::BTreeSet;
@@ -31,10 +34,9 @@ pub(super) struct Series {
 }
 
 /// All series of one frame of one scene.
-pub(super) fn series(results: &Results, scene: &str, frame: usize, receivers: &str) -> Vec<Series> {
-    let runs: Vec<&Run> = runs_of(results, scene, frame, receivers)
-        .filter(|run| run.reference() == "mesh" && run.frame_secs().is_some())
-        .collect();
+pub(super) fn series(results: &Results, group: &Group) -> Vec<Series> {
+    let runs: Vec<&Run> =
+        group.runs(results).filter(|run| run.reference() == "mesh" && run.frame_secs().is_some()).collect();
     let mut all: Vec<Series> = Vec::new();
     for run in &runs {
         // A value that most of a strategy's runs share needs no label.
@@ -130,24 +132,17 @@ fn lighter(RGBColor(r, g, b): RGBColor) -> RGBColor {
 
 /// Points that no other beats in both time and error, in the order of time.
 pub(super) fn pareto_front(series: &[Series]) -> Vec<(f64, f64)> {
-    let mut points: Vec<&Point> = series.iter().flat_map(|series| &series.points).collect();
+    let points: Vec<&Point> = series.iter().flat_map(|series| &series.points).collect();
     // Nothing is better than what the truth can't tell from none.
-    let rank = |point: &Point| if point.resolved { point.error } else { 0.0 };
-    points.sort_by(|a, b| a.frame_ms.total_cmp(&b.frame_ms).then(rank(a).total_cmp(&rank(b))));
-    let mut best = f64::INFINITY;
-    points.retain(|point| {
-        rank(point) < best && {
-            best = rank(point);
-            true
-        }
-    });
-    points.iter().map(|point| (point.frame_ms, point.error)).collect()
+    let ranks: Vec<(f64, f64)> =
+        points.iter().map(|point| (point.frame_ms, if point.resolved { point.error } else { 0.0 })).collect();
+    front(&ranks).into_iter().map(|place| (points[place].frame_ms, points[place].error)).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Device, results::tests::example};
+    use crate::{Device, report::groups::tests::only, results::tests::example};
     use plotters::style::BLACK;
 
     #[test]
@@ -191,7 +186,7 @@ mod tests {
         published.params.insert("limit".into(), serde_json::json!(4.8));
         published.label = "fast:as-published,bands=6".into();
         results.runs.extend([more, other, published]);
-        let series = series(&results, "vases", 0, "vertices");
+        let series = series(&results, &only());
         let shown: Vec<(&str, usize)> = series.iter().map(|s| (s.name.as_str(), s.points.len())).collect();
         assert_eq!(shown, [("fast", 2), ("exact", 1), ("fast exp=series", 1), ("fast as-published", 1)]);
         assert_eq!(series[0].points[1].numbers, "6");
@@ -205,7 +200,7 @@ mod tests {
         let mut results = example();
         let on_device = Run { device: Device::Gpu, ..results.runs[0].clone() };
         results.runs.push(on_device);
-        let series = series(&results, "vases", 0, "vertices");
+        let series = series(&results, &only());
         let shown: Vec<(&str, usize)> = series.iter().map(|s| (s.name.as_str(), s.mark)).collect();
         assert_eq!(shown, [("fast", 0), ("exact", 0), ("fast on gpu", 0)]);
         assert_ne!(series[0].color, series[2].color);
