@@ -46,9 +46,12 @@
 //! bands = [2, 3, 4]
 //! ```
 
+mod compose;
 mod fields;
 mod kinds;
+mod only;
 
+pub use compose::Comparison;
 pub use kinds::{ReceiverKind, ReferenceKind};
 
 use crate::{Device, HarnessError, Weighting};
@@ -108,7 +111,10 @@ pub struct Experiment {
     /// The strategies and their sweeps: the key `name` and any parameters.
     #[serde(rename = "strategy")]
     pub strategies: Vec<Spanned<BTreeMap<String, Spanned<toml::Value>>>>,
-    /// The file that it was read from.
+    /// Names of the scenes and strategies that are kept of the file, if not all are.
+    #[serde(skip)]
+    pub only: Vec<String>,
+    /// The file that it was read from; empty if there is none.
     #[serde(skip)]
     pub path: PathBuf,
     /// Its text, for line numbers and for the hash that resuming compares.
@@ -270,7 +276,20 @@ impl Experiment {
 
     /// An error at the place `offset` of the file.
     pub fn error_at(&self, offset: usize, problem: impl Into<String>) -> HarnessError {
+        if self.path.as_os_str().is_empty() {
+            return HarnessError::input(problem);
+        }
         HarnessError::at_line(&self.path, line_of(&self.text, offset), problem)
+    }
+
+    /// BLAKE3 hash of the text and of what is kept of it: resuming and comparing are between equals.
+    pub fn hash(&self) -> String {
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(self.text.as_bytes());
+        for name in &self.only {
+            hasher.update(b"\0").update(name.as_bytes());
+        }
+        hasher.finalize().to_hex().to_string()
     }
 
     fn validate(&self) -> Result<(), HarnessError> {

@@ -10,6 +10,7 @@ pub mod error;
 pub mod errors;
 pub mod experiment;
 pub mod file_names;
+pub mod frame_time;
 pub mod image_io;
 pub mod image_metrics;
 pub mod inputs;

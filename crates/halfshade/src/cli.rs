@@ -34,6 +34,8 @@ pub struct Cli {
 pub enum Command {
     /// Run an experiment: score, time and picture every strategy on every scene.
     Run(RunArguments),
+    /// Compare strategies on scenes without an experiment file.
+    Compare(CompareArguments),
     /// Draw one picture of a scene with one strategy.
     Render(RenderArguments),
     /// Trace the truth alone, with its standard error as a layer.
@@ -62,7 +64,58 @@ pub struct RunArguments {
     /// Go on with a run that was interrupted.
     #[arg(long)]
     pub resume: bool,
+    /// Run only these of the experiment's scenes and strategies, by name; without any scene all of them, and without any
+    /// strategy.
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    pub only: Vec<String>,
     /// Run on these devices instead of the experiment's: cpu, gpu, or a part of a graphics device's name.
+    #[arg(long, value_name = "DEVICE", value_delimiter = ',')]
+    pub device: Vec<DeviceArgument>,
+}
+
+/// Arguments of `compare`.
+#[derive(Debug, Args)]
+pub struct CompareArguments {
+    /// Scene files, built-in names, or mesh files (which stand on a ground plane).
+    #[arg(required = true, value_name = "SCENE")]
+    pub scenes: Vec<String>,
+    /// A strategy, as `name` or `name:key=value,key=value`; again for more [default: all, as they are by default].
+    #[arg(long, value_name = "SPEC")]
+    pub strategy: Vec<String>,
+    /// The strategy that the verdict compares all others with [default: what errs least].
+    #[arg(long, value_name = "SPEC")]
+    pub baseline: Option<String>,
+    /// Light of mesh files: `sky`, `constant`, or an image (.hdr, .exr) [default: sky].
+    #[arg(long, value_name = "LIGHT")]
+    pub env: Option<String>,
+    /// Frame of the animation.
+    #[arg(long, default_value_t = 0)]
+    pub frame: usize,
+    /// Hold the scenes still at that frame, for methods that need one that doesn't move.
+    #[arg(long)]
+    pub still: bool,
+    /// Score the pixels of the camera's picture, or the vertices.
+    #[arg(long, value_enum, default_value_t = ReceiverChoice::Pixels)]
+    pub receivers: ReceiverChoice,
+    /// Samples of the truth per receiver.
+    #[arg(long, default_value_t = 256, value_parser = sample_count)]
+    pub samples: usize,
+    /// Draw no pictures.
+    #[arg(long)]
+    pub no_pictures: bool,
+    /// Print the experiment file that would be run, and stop.
+    #[arg(long)]
+    pub print: bool,
+    /// Where results go [default: out/compare-SCENE].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Fewer samples, three timed rounds: to see whether it works, not for publication.
+    #[arg(long)]
+    pub quick: bool,
+    /// Go on with a run that was interrupted.
+    #[arg(long)]
+    pub resume: bool,
+    /// Run on these devices: cpu, gpu, or a part of a graphics device's name [default: cpu].
     #[arg(long, value_name = "DEVICE", value_delimiter = ',')]
     pub device: Vec<DeviceArgument>,
 }
@@ -96,9 +149,9 @@ pub struct SceneArguments {
     /// Radiance where nothing is hit: one number, or red,green,blue [default: 0].
     #[arg(long, value_name = "RADIANCE", value_parser = color)]
     pub background: Option<[f32; 3]>,
-    /// Exposure of a PNG, in stops around the automatic one.
-    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_parser = stops)]
-    pub exposure: f32,
+    /// Exposure of a PNG in stops: radiance times 2^STOPS, the same in every picture [default: automatic, and told].
+    #[arg(long, value_name = "STOPS", allow_negative_numbers = true, value_parser = stops)]
+    pub exposure: Option<f32>,
 }
 
 impl SceneArguments {
@@ -123,6 +176,12 @@ pub struct RenderArguments {
     /// The device: cpu, gpu, or a part of a graphics device's name.
     #[arg(long, value_name = "DEVICE", default_value = "cpu")]
     pub device: DeviceArgument,
+    /// Trace the truth too, and print the error; an .exr gets the layers `truth` and `error`.
+    #[arg(long)]
+    pub truth: bool,
+    /// Samples of that truth per receiver.
+    #[arg(long, default_value_t = 256, value_parser = sample_count)]
+    pub samples: usize,
     /// The picture, .exr or .png [default: SCENE.exr].
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,

@@ -97,6 +97,65 @@ fn assert_checked(here: &Path, results: &Value) {
     }
 }
 
+/// From scenes and SPECs alone to a verdict; the experiment that is printed is the one that ran.
+#[test]
+fn a_comparison_needs_no_file() {
+    let here = folder();
+    let scene = "name = \"a box\"\n[[object]]\nshape = \"box\"\nspheres = 1\n[environment]\nconstant = [1, 1, 1]\n\
+                 [camera]\neye = [0, 2, 4]\ntarget = [0, 0, 0]\nresolution = [16, 12]\n";
+    write(here.path(), "box.toml", scene);
+    let arguments =
+        ["compare", "box.toml", "--strategy", "unshadowed", "--strategy", "ray-traced:samples=2,filter=none"];
+    let more = ["--baseline", "ray-traced:samples=2,filter=none", "--samples", "16", "--no-pictures"];
+    let shown = stdout(halfshade(here.path()).args(arguments).args(more));
+    assert!(shown.starts_with("a box, frame 0: ") && shown.contains("\nVerdict: a box, frame 0, pixels\n"), "{shown}");
+    assert!(shown.contains("1 (baseline)"), "{shown}");
+    let runs = |folder: &str| -> Vec<Value> {
+        let text = fs::read_to_string(here.path().join(folder).join("results.json")).unwrap();
+        serde_json::from_str::<Value>(&text).unwrap()["runs"].as_array().unwrap().clone()
+    };
+    assert_eq!(runs("out/compare-box").len(), 2);
+    let text = stdout(halfshade(here.path()).args(arguments).args(more).arg("--print"));
+    write(here.path(), "kept.toml", text);
+    stdout(halfshade(here.path()).args(["run", "kept.toml", "--out", "kept", "--only", "ray-traced"]));
+    let kept = runs("kept");
+    assert_eq!((kept.len(), &kept[0]["label"]), (1, &"ray-traced:samples=2,filter=none".into()));
+    assert_eq!(kept[0]["error"], runs("out/compare-box")[1]["error"]);
+    let error = refused(halfshade(here.path()).args(["run", "kept.toml", "--only", "prt"]));
+    assert!(
+        error.contains("kept.toml: has no scene or strategy `prt`; it has box.toml, unshadowed, ray-traced"),
+        "{error}"
+    );
+    let error = refused(halfshade(here.path()).args(["compare", "nowhere"]));
+    assert!(error.contains("error: unknown scene `nowhere`; built in: "), "{error}");
+}
+
+/// One picture tells its time, and its error if asked; at one exposure pictures of different light compare.
+#[test]
+fn a_picture_tells_its_time_and_error() {
+    let here = folder();
+    for (name, light) in [("dim", 0.25), ("bright", 0.5)] {
+        let scene = format!(
+            "name = \"{name}\"\n[[object]]\nshape = \"box\"\nspheres = 1\n[environment]\nconstant = [{light}, {light}, {light}]\n\
+             [camera]\neye = [0, 2, 4]\ntarget = [0, 0, 0]\nresolution = [16, 12]\n"
+        );
+        write(here.path(), &format!("{name}.toml"), scene);
+    }
+    let render = |scene: &str, file: &str, more: &[&str]| {
+        let arguments = ["render", scene, "--strategy", "unshadowed", "-o", file];
+        stdout(halfshade(here.path()).args(arguments).args(more))
+    };
+    let told = render("dim.toml", "dim.exr", &["--truth", "--samples", "16"]);
+    let keys = ["threads: ", "bake_secs: ", "shade_secs: ", "frames_per_sec: ", "\nrel_rmse: ", "\nresolved: "];
+    assert!(keys.iter().all(|key| told.contains(key)), "{told}");
+    let brightest = |file: &str| image::open(here.path().join(file)).unwrap().to_rgb8().pixels().map(|p| p.0[1]).max();
+    for (scene, file) in [("dim.toml", "dim.png"), ("bright.toml", "bright.png")] {
+        let told = render(scene, file, &["--exposure", "0"]);
+        assert!(!told.contains("rel_rmse"), "{told}");
+    }
+    assert!(brightest("dim.png") < brightest("bright.png"));
+}
+
 #[test]
 fn an_experiment_runs_checks_reports_and_resumes() {
     let here = folder();

@@ -102,7 +102,7 @@ fn unmeasured(
         schema: SCHEMA.into(),
         experiment: experiment.name.clone(),
         claim: experiment.claim.clone(),
-        experiment_hash: blake3::hash(experiment.text.as_bytes()).to_hex().to_string(),
+        experiment_hash: experiment.hash(),
         quick: options.quick,
         inputs: Some(plan.inputs.clone()),
         revision: tools.revision.to_owned(),

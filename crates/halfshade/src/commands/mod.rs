@@ -1,6 +1,7 @@
 //! One file per command.
 
 mod check;
+mod compare;
 mod context;
 mod list;
 mod picture;
@@ -22,6 +23,7 @@ pub(crate) fn dispatch(cli: Cli, arguments: Vec<OsString>) -> Result<ExitCode, F
     let context = Context::new(cli.cache, cli.threads, cli.gpu, arguments);
     match cli.command {
         Command::Run(arguments) => run::run(&context, &arguments),
+        Command::Compare(arguments) => compare::compare(&context, &arguments),
         Command::Check(arguments) => check::check(&context, &arguments),
         Command::List(arguments) => list::list(&context, &arguments),
         Command::Report(arguments) => report::report(&context, &arguments),

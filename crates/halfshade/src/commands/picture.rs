@@ -13,7 +13,13 @@ pub(super) fn background(arguments: &SceneArguments) -> Vec3 {
 
 /// Factor for a picture that is looked at.
 pub(super) fn exposure(picture: &Picture, arguments: &SceneArguments) -> f32 {
-    picture.exposure() * arguments.exposure.exp2()
+    arguments.exposure.map_or_else(|| picture.exposure(), f32::exp2)
+}
+
+/// A line that tells how a PNG was exposed, so that another can be exposed alike.
+pub(super) fn told_exposure(output: &Path, exposure: f32) -> String {
+    let is_png = output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
+    if is_png { format!(" with --exposure {:.2}", exposure.log2()) } else { String::new() }
 }
 
 /// A picture in which nothing is to be seen would pass for one of a dark scene.

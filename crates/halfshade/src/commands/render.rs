@@ -1,21 +1,30 @@
-//! `halfshade render`: one picture.
+//! `halfshade render`: one picture, its time, and its error if asked for.
 
 use super::context::Context;
-use super::picture::{background, default_output, exposure, sees_nothing};
+use super::picture::{background, default_output, exposure, sees_nothing, told_exposure};
 use crate::{
+    band_limit::band_limit,
     cli::{ReceiverChoice, RenderArguments},
     failure::Failure,
+    terminal,
 };
 use halfshade_harness::{
-    Variant,
+    Picture, ReceiverWeights, Reference, ReferenceKind, Variant,
+    clock::time_secs,
+    frame_time::frame_times,
     image_io::{check_extension, write_picture},
+    metrics::{compare, relative},
     projection::Projection,
+    reference::{Accuracy, ReferenceTracer},
+    report::significant,
+    results::TimeFigures,
     shading::{count_not_finite, shade_frame},
+    statistics::Spread,
 };
-use halfshade_scene::{Progress, ReceiverBuffer};
+use halfshade_scene::{Frame, Progress, RadianceBuffer, ReceiverBuffer};
 use halfshade_strategy::Effects;
 use halfshade_truth::Tracer;
-use std::process::ExitCode;
+use std::{process::ExitCode, sync::Arc};
 
 pub(super) fn render(context: &Context, arguments: &RenderArguments) -> Result<ExitCode, Failure> {
     let variant = Variant::parse(&context.strategies, &arguments.strategy).map_err(Failure::Error)?;
@@ -51,14 +60,82 @@ pub(super) fn render(context: &Context, arguments: &RenderArguments) -> Result<E
         return Err(sees_nothing(&scene));
     }
     let failed = |error: halfshade_strategy::StrategyError| Failure::Error(format!("`{}`: {error}", variant.label));
-    let mut baked = strategy.bake(&scene, &variant.params, &context.bars).map_err(failed)?;
+    let (bake_secs, baked) = time_secs(&context.clock, || strategy.bake(&scene, &variant.params, &context.bars));
+    let mut baked = baked.map_err(failed)?;
     let radiance = shade_frame(baked.as_mut(), &frame, receivers.view()).map_err(failed)?;
     let broken = count_not_finite(&radiance);
     if broken > 0 {
         return Err(Failure::Error(format!("`{}`: {broken} values are not finite", variant.label)));
     }
+    let device = arguments.device.device();
+    let times =
+        frame_times(&context.clock, device, baked.as_mut(), &frame, &receivers, TIMED_FRAMES).map_err(failed)?;
+    tell_times(&TimeFigures { bake_secs, ..times })?;
     let picture = projection.picture(&radiance, background(&arguments.scene));
-    write_picture(&output, &[("", &picture)], exposure(&picture, &arguments.scene))?;
-    context.bars.note(&format!("wrote {}", output.display()));
+    let mut layers = vec![(String::new(), picture)];
+    if arguments.truth {
+        let truth = truth_of(context, arguments, &frame, &receivers)?;
+        tell_error(&radiance, &truth)?;
+        let truth = projection.picture(&truth.radiance, background(&arguments.scene));
+        let error = layers[0].1.minus(&truth);
+        layers.extend([("truth".to_owned(), truth), ("error".to_owned(), error)]);
+    }
+    let exposure = exposure(&layers[0].1, &arguments.scene);
+    let layers: Vec<(&str, &Picture)> = layers.iter().map(|(name, picture)| (name.as_str(), picture)).collect();
+    write_picture(&output, &layers, exposure)?;
+    context.bars.note(&format!("wrote {}{}", output.display(), told_exposure(&output, exposure)));
     Ok(ExitCode::SUCCESS)
+}
+
+/// Frames that are timed; the median is told.
+const TIMED_FRAMES: usize = 5;
+
+fn tell_times(times: &TimeFigures) -> Result<(), Failure> {
+    let median = |spread: Option<Spread>| spread.map_or_else(|| "none".to_owned(), |it| significant(it.median, 3));
+    terminal::data(&format!(
+        "threads: {}\nbake_secs: {}\nprepare_secs: {}\nshade_secs: {}\nframes_per_sec: {}\n",
+        times.threads,
+        significant(times.bake_secs, 3),
+        median(times.prepare_secs),
+        median(times.shade_secs),
+        times.frames_per_sec.map_or_else(|| "none".to_owned(), |rate| significant(rate, 3))
+    ))
+}
+
+/// The truth over the same receivers.
+fn truth_of(
+    context: &Context,
+    arguments: &RenderArguments,
+    frame: &Frame<'_>,
+    receivers: &ReceiverBuffer,
+) -> Result<Reference, Failure> {
+    let weights = match arguments.receivers {
+        ReceiverChoice::Pixels => ReceiverWeights::equal(receivers.len()),
+        ReceiverChoice::Vertices => ReceiverWeights::by_area(frame, receivers),
+    };
+    let tracer = ReferenceTracer {
+        accuracy: Accuracy { samples: arguments.samples, relative_noise: None, seed: 1 },
+        band_limit: &band_limit,
+        cache: &context.cache,
+        progress: &context.bars,
+    };
+    let scoring = (Arc::new(weights), Arc::default());
+    let traced = tracer.trace(frame.scene, frame.index, receivers.view(), ReferenceKind::Mesh, scoring)?;
+    Ok(traced.0)
+}
+
+fn tell_error(radiance: &RadianceBuffer, truth: &Reference) -> Result<(), Failure> {
+    let Some(metrics) = compare(radiance, truth) else { return Ok(()) };
+    let share = |value: f64| {
+        relative(value, truth.unshadowed_mean).map_or_else(|| "none".to_owned(), |value| significant(value, 3))
+    };
+    terminal::data(&format!(
+        "rel_rmse: {}\nrel_bias: {}\nrel_p95: {}\nrel_max: {}\nresolved: {}\nrelative_standard_error: {}\n",
+        share(metrics.rmse),
+        share(metrics.bias),
+        share(metrics.p95),
+        share(metrics.max),
+        metrics.resolved,
+        share(truth.rms_standard_error())
+    ))
 }

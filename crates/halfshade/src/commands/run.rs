@@ -15,23 +15,49 @@ use halfshade_scene::Progress;
 use std::{ffi::OsString, path::PathBuf, process::ExitCode};
 
 pub(super) fn run(context: &Context, arguments: &RunArguments) -> Result<ExitCode, Failure> {
-    let experiment = Experiment::load(&arguments.experiment)?;
-    let out = arguments.out.clone().unwrap_or_else(|| PathBuf::from("out").join(&experiment.name));
-    let named: Vec<Device> = arguments.device.iter().map(DeviceArgument::device).collect();
+    let mut experiment = Experiment::load(&arguments.experiment)?;
+    experiment.keep_only(&arguments.only)?;
+    let start = Start {
+        out: arguments.out.clone(),
+        devices: &arguments.device,
+        quick: arguments.quick,
+        resume: arguments.resume,
+    };
+    run_experiment(context, &experiment, start)
+}
+
+/// How a run is started.
+pub(super) struct Start<'a> {
+    /// Folder of results, if other than `out/NAME`.
+    pub(super) out: Option<PathBuf>,
+    /// Devices, if others than the experiment's.
+    pub(super) devices: &'a [DeviceArgument],
+    pub(super) quick: bool,
+    pub(super) resume: bool,
+}
+
+/// Runs `experiment`; ends with tables, the verdicts, and where the rest lies.
+pub(super) fn run_experiment(
+    context: &Context,
+    experiment: &Experiment,
+    start: Start<'_>,
+) -> Result<ExitCode, Failure> {
+    let out = start.out.unwrap_or_else(|| PathBuf::from("out").join(&experiment.name));
+    let named: Vec<Device> = start.devices.iter().map(DeviceArgument::device).collect();
     let devices = if named.is_empty() { experiment.devices.clone() } else { named };
-    let name = arguments.device.iter().find_map(DeviceArgument::name);
+    let name = start.devices.iter().find_map(DeviceArgument::name);
     let graphics = context.graphics_for(&devices, name)?;
     let options = RunOptions {
         devices: Some(devices),
         threads: context.threads,
-        quick: arguments.quick,
-        resume: arguments.resume,
+        quick: start.quick,
+        resume: start.resume,
         out: Some(out.clone()),
         inputs: None,
     };
     on_interrupt(resume_command(&context.arguments))?;
     let results =
-        context.with_tools(graphics.as_ref(), |tools| halfshade_harness::run::run(&experiment, tools, &options))?;
+        context.with_tools(graphics.as_ref(), |tools| halfshade_harness::run::run(experiment, tools, &options))?;
     terminal::data(&format!("{}\n", summary(&results).write(Format::Text)))?;
     context.bars.note(&format!("tables, plots and pictures: {}", out.join("report.md").display()));
     Ok(ExitCode::SUCCESS)

@@ -1,7 +1,7 @@
 //! `halfshade truth`: the truth alone, with its standard error.
 
 use super::context::Context;
-use super::picture::{background, default_output, exposure, sees_nothing};
+use super::picture::{background, default_output, exposure, sees_nothing, told_exposure};
 use crate::{cli::TruthArguments, failure::Failure, terminal};
 use glam::Vec3;
 use halfshade_harness::{
@@ -44,6 +44,6 @@ pub(super) fn truth(context: &Context, arguments: &TruthArguments) -> Result<Exi
         relative.map_or("none".into(), |value| format!("{value:.3e}")),
         significant(found.unshadowed_mean, 7)
     ))?;
-    context.bars.note(&format!("wrote {}", output.display()));
+    context.bars.note(&format!("wrote {}{}", output.display(), told_exposure(&output, exposure)));
     Ok(ExitCode::SUCCESS)
 }
