@@ -36,10 +36,11 @@ pub fn page(results: &Results) -> Page {
         Block::Note(format!("{provenance}.")),
     ];
     blocks.extend(verdicts(results).into_iter().map(Block::Table));
-    for group in &Group::all(results) {
+    let groups = Group::all(results);
+    for (group, plot) in groups.iter().zip(Plot::error_against_time(results, &groups)) {
         blocks.push(Block::Heading(group.to_string()));
         blocks.push(Block::Table(scene_table(results, group)));
-        blocks.extend(Plot::error_against_time(results, group).map(Block::Plot));
+        blocks.extend(plot.map(Block::Plot));
         let further = [error_by_class, error_split, differences, details];
         blocks.extend(further.iter().filter_map(|table| table(results, group)).map(Block::Table));
         let pictures = results.pictures.iter().filter(|files| files.scene == group.scene && files.frame == group.frame);

@@ -1,21 +1,28 @@
 //! Error against time, log-log: which method to choose at which price.
 //!
-//! One colour per strategy, fixed by its place in the list of all (Okabe and Ito's palette, made for the colour-blind);
-//! one mark per choice of words among its parameters; numbers among its parameters are written at the points, which are
+//! One colour per strategy, fixed by its place in the list of all; one mark and line per choice of words among its parameters, the
+//! same in all plots of some results; numbers among its parameters are written beside the points, which are
 //! joined in the order of time. Bars show the median absolute deviation of the time and the truth's noise in the
 //! error. The grey staircase is the Pareto front: nothing measured is both faster and more exact. Unresolved errors are drawn
-//! hollow, at the value that the truth can just resolve.
+//! hollow, at the value that the truth can just resolve. A plot is as high as its legend needs.
 
 mod chart;
+mod embedded;
+mod labels;
 mod legend;
 mod series;
+#[cfg(test)]
+mod stored;
 mod style;
+mod ticks;
 
 use super::groups::Group;
 use crate::{file_names, image_io::png_bytes, results::Results};
 use chart::draw;
+use embedded::with_font;
+use legend::Legend;
 use plotters::prelude::*;
-use series::{Series, series};
+use series::{Kinds, Series};
 use style::{SIZE, register_font};
 
 /// The plot of one frame of one scene, ready to be drawn.
@@ -29,29 +36,40 @@ pub struct Plot {
 }
 
 impl Plot {
-    /// Error against time of all strategies; `None` if nothing was both scored and timed.
-    pub fn error_against_time(results: &Results, group: &Group) -> Option<Self> {
-        let series = series(results, group);
-        (!series.is_empty()).then(|| Self {
-            file: file_names::plot(&group.scene, group.frame, &group.receivers),
-            title: format!("{}: error against time", group.place()),
-            threads: results.machine.threads,
-            series,
-        })
+    /// Error against time of all strategies, for every group in which something was both scored and timed; others have none.
+    pub fn error_against_time(results: &Results, groups: &[Group]) -> Vec<Option<Self>> {
+        let kinds = Kinds::new(results);
+        let plot = |group: &Group| {
+            let series = kinds.series(group);
+            (!series.is_empty()).then(|| Self {
+                file: file_names::plot(&group.scene, group.frame, &group.receivers),
+                title: format!("{}: error against time", group.place()),
+                threads: results.machine.threads,
+                series,
+            })
+        };
+        groups.iter().map(plot).collect()
     }
 
-    /// The plot as SVG.
+    /// Width and height in pixels.
+    fn size(&self, scale: u32) -> (u32, u32) {
+        (SIZE.0 * scale, Legend::new(&self.series).height() * scale)
+    }
+
+    /// The plot as SVG, its font within it.
     pub fn svg(&self) -> Result<String, String> {
         register_font();
         let mut svg = String::new();
-        draw(&SVGBackend::with_string(&mut svg, SIZE).into_drawing_area(), 1, &self.title, self.threads, &self.series)?;
-        Ok(svg)
+        let area = SVGBackend::with_string(&mut svg, self.size(1)).into_drawing_area();
+        draw(&area, 1, &self.title, self.threads, &self.series)?;
+        drop(area);
+        with_font(&svg, &self.title)
     }
 
     /// The plot as a PNG of twice the size, so that it stays sharp on dense screens.
     pub fn png(&self) -> Result<Vec<u8>, String> {
         register_font();
-        let (width, height) = (2 * SIZE.0, 2 * SIZE.1);
+        let (width, height) = self.size(2);
         let mut pixels = vec![0; 3 * (width * height) as usize];
         {
             let area = BitMapBackend::with_buffer(&mut pixels, (width, height)).into_drawing_area();
@@ -69,11 +87,17 @@ mod tests {
 
     #[test]
     fn both_formats_are_drawn_whole() {
-        let plot = Plot::error_against_time(&example(), &only()).unwrap();
+        let plots = Plot::error_against_time(&example(), &[only(), Group { frame: 1, ..only() }]);
+        assert!(plots.len() == 2 && plots[1].is_none());
+        let plot = plots[0].clone().unwrap();
         let (svg, png) = (plot.svg().unwrap(), plot.png().unwrap());
-        assert!(svg.trim_end().ends_with("</svg>") && svg.contains("relative RMSE") && svg.contains("Pareto front"));
+        assert!(
+            svg.trim_end().ends_with("</svg>")
+                && svg.contains("relative RMSE")
+                && svg.contains("@font-face")
+                && svg.contains("Pareto front")
+        );
         let image = image::load_from_memory(&png).unwrap();
         assert_eq!((image.width(), image.height()), (2 * SIZE.0, 2 * SIZE.1));
-        assert!(Plot::error_against_time(&example(), &Group { frame: 1, ..only() }).is_none());
     }
 }

@@ -1,10 +1,13 @@
 //! Axes, curves and labels of a plot.
 
 use super::{
-    legend::legend,
+    labels::{Rect, place},
+    legend::Legend,
     series::{Point, Series, pareto_front},
-    style::{FAMILY, LEGEND_WIDTH, SIZE, mark},
+    style::{FAMILY, LEGEND_WIDTH, MARK_RADIUS, SIZE, mark},
+    ticks::{Tick, ticks},
 };
+use crate::report::units::{percent, seconds};
 use plotters::{
     coord::Shift,
     prelude::*,
@@ -18,9 +21,6 @@ use std::ops::Range;
 /// A chart with logarithmic axes.
 type Chart<'a, B> = ChartContext<'a, B, Cartesian2d<LogCoord<f64>, LogCoord<f64>>>;
 
-/// A place of a grid line, and its label if it has one.
-type Tick = (f64, Option<String>);
-
 /// Ranges of the axes, and their ticks.
 struct Axes {
     x: Range<f64>,
@@ -33,9 +33,9 @@ impl Axes {
     /// Axes that hold all points.
     fn new(series: &[Series]) -> Self {
         let points = || series.iter().flat_map(|series| &series.points);
-        let x = log_range(points().map(|p| p.frame_ms));
+        let x = log_range(points().map(|p| p.frame_secs));
         let y = log_range(points().flat_map(|p| [p.error, p.error + p.error_noise]));
-        Self { x_ticks: ticks(&x), y_ticks: ticks(&y), x, y }
+        Self { x_ticks: ticks(&x, |secs| seconds(secs, 2)), y_ticks: ticks(&y, percent), x, y }
     }
 }
 
@@ -52,7 +52,7 @@ pub(super) fn draw<B: DrawingBackend>(
     let (left, right) = area.split_horizontally(px(SIZE.0 - LEGEND_WIDTH));
     let axes = Axes::new(series);
     let mut chart = ChartBuilder::on(&left)
-        .caption(title, (FAMILY, px(20)).into_font().style(FontStyle::Bold))
+        .caption(title, (FAMILY, title_size(title, scale)).into_font().style(FontStyle::Bold))
         .margin(px(14))
         .x_label_area_size(px(52))
         .y_label_area_size(px(78))
@@ -65,19 +65,33 @@ pub(super) fn draw<B: DrawingBackend>(
     }
     chart.draw_series(LineSeries::new(stairs, RGBColor(170, 170, 170).stroke_width(px(4)))).map_err(text)?;
     for series in series {
-        let line = series.points.iter().map(|point| (point.frame_ms, point.error));
-        chart.draw_series(LineSeries::new(line, series.color.mix(0.55).stroke_width(px(2)))).map_err(text)?;
+        let line: Vec<(f64, f64)> = series.points.iter().map(|point| (point.frame_secs, point.error)).collect();
+        let stroke = series.look.color.mix(0.55).stroke_width(px(2));
+        match series.look.dash {
+            None => chart.draw_series(LineSeries::new(line, stroke)).map(|_| ()),
+            Some([dash, gap]) => chart.draw_series(DashedLineSeries::new(line, px(dash), px(gap), stroke)).map(|_| ()),
+        }
+        .map_err(text)?;
         for point in &series.points {
             draw_point(&mut chart, series, point, scale).map_err(text)?;
         }
     }
+    draw_numbers(&left, &chart, series, scale)?;
     draw_labels(&left, &chart, &axes, scale, threads).map_err(text)?;
-    legend(&right, scale, series)?;
+    Legend::new(series).draw(&right, scale)?;
     area.present().map_err(text)
 }
 
 fn text<E: std::error::Error + Send + Sync>(error: DrawingAreaErrorKind<E>) -> String {
     error.to_string()
+}
+
+/// Size of the title's letters: smaller where it is long.
+fn title_size(title: &str, scale: u32) -> u32 {
+    /// Letters that fit at full size.
+    const LETTERS: usize = 58;
+    let count = title.chars().count().max(LETTERS);
+    (20 * scale) * LETTERS as u32 / count as u32
 }
 
 /// Draws the grid and a frame at the left and the top.
@@ -100,26 +114,60 @@ fn draw_grid<B: DrawingBackend>(
     Ok(())
 }
 
-/// Draws a point of a series: bars of time and of noise, a mark, its numbers.
+/// Draws a point of a series: bars of time and of noise, and a mark.
 fn draw_point<B: DrawingBackend>(
     chart: &mut Chart<'_, B>,
     series: &Series,
     point: &Point,
     scale: u32,
 ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
-    let px = |n: u32| n * scale;
-    let thin = series.color.stroke_width(scale);
-    let (x, y) = (point.frame_ms, point.error);
-    let low = (x - point.frame_ms_mad).max(0.05 * x);
-    chart.draw_series([PathElement::new(vec![(low, y), (x + point.frame_ms_mad, y)], thin)])?;
+    let thin = series.look.color.stroke_width(scale);
+    let (x, y) = (point.frame_secs, point.error);
+    let low = (x - point.frame_secs_mad).max(0.05 * x);
+    chart.draw_series([PathElement::new(vec![(low, y), (x + point.frame_secs_mad, y)], thin)])?;
     let low = (y - point.error_noise).max(0.05 * y);
     chart.draw_series([PathElement::new(vec![(x, low), (x, y + point.error_noise)], thin)])?;
-    let (inside, outline) = mark(series.mark, series.color, point.resolved, scale);
+    let (inside, outline) = mark(series.look, point.resolved, scale);
     chart.draw_series([EmptyElement::at((x, y)) + inside + outline])?;
-    if !point.numbers.is_empty() {
-        let style = (FAMILY, px(12)).into_font().color(&RGBColor(70, 70, 70));
-        let offset = (px(8) as i32, -(px(16) as i32));
-        chart.draw_series([EmptyElement::at((x, y)) + Text::new(point.numbers.clone(), offset, style)])?;
+    Ok(())
+}
+
+/// Draws the numbers of all points beside them, with a thin line to those that lie far away.
+fn draw_numbers<B: DrawingBackend>(
+    area: &DrawingArea<B, Shift>,
+    chart: &Chart<'_, B>,
+    series: &[Series],
+    scale: u32,
+) -> Result<(), String> {
+    let px = |n: u32| (n * scale) as i32;
+    let grey = RGBColor(70, 70, 70);
+    let style = || (FAMILY, px(12)).into_font().color(&grey).pos(Pos::new(HPos::Left, VPos::Top));
+    let size = |numbers: &str| -> Result<(i32, i32), String> {
+        if numbers.is_empty() {
+            return Ok((0, 0));
+        }
+        let (width, height) = style().font.box_size(numbers).map_err(|error| error.to_string())?;
+        Ok((width as i32, height as i32))
+    };
+    let mut points = Vec::new();
+    for point in series.iter().flat_map(|series| &series.points) {
+        let place = chart.backend_coord(&(point.frame_secs, point.error));
+        points.push((place, size(&point.numbers)?));
+    }
+    let (columns, rows) = chart.plotting_area().get_pixel_range();
+    let bounds = Rect { left: columns.start + px(2), top: rows.start, right: columns.end, bottom: rows.end - px(2) };
+    let reach = px(MARK_RADIUS);
+    let placed = place(&points, reach, bounds);
+    let numbers = series.iter().flat_map(|series| &series.points).map(|point| &point.numbers);
+    for ((numbers, ((x, y), _)), label) in numbers.zip(&points).zip(placed) {
+        let Some(Rect { left, top, right, bottom }) = label else { continue };
+        let (nearest_x, nearest_y) = ((*x).clamp(left, right), (*y).clamp(top, bottom));
+        let away = f64::from(nearest_x - x).hypot(f64::from(nearest_y - y));
+        if away > 2.5 * f64::from(reach) {
+            let line = PathElement::new(vec![(*x, *y), (nearest_x, nearest_y)], grey.mix(0.5).stroke_width(scale));
+            area.draw(&line).map_err(text)?;
+        }
+        area.draw(&Text::new(numbers.as_str(), (left, top), style())).map_err(text)?;
     }
     Ok(())
 }
@@ -148,7 +196,7 @@ fn draw_labels<B: DrawingBackend>(
     }
     let ((x0, y0), (x1, y1)) =
         (chart.backend_coord(&(axes.x.start, axes.y.start)), chart.backend_coord(&(axes.x.end, axes.y.end)));
-    let x_title = format!("time per frame, prepare + shade, {threads} threads (ms)");
+    let x_title = format!("time per frame, prepare + shade, {threads} threads");
     let place = ((x0 + x1) / 2, y0 + px(30) as i32);
     area.draw(&Text::new(x_title, place, labels(15, HPos::Center, VPos::Top)))?;
     let turned = labels(15, HPos::Center, VPos::Top).transform(FontTransform::Rotate270);
@@ -160,29 +208,4 @@ fn log_range(values: impl Iterator<Item = f64>) -> Range<f64> {
     let (low, high) = values.fold((f64::INFINITY, 0.0f64), |(low, high), value| (low.min(value), high.max(value)));
     let margin = (0.08 * (high / low).log10()).max(0.08);
     low * 10f64.powf(-margin)..high * 10f64.powf(1.4 * margin)
-}
-
-/// Places of grid lines, and the labels of those that have one: whole decades, and twice and five times as much
-/// where few decades are shown.
-fn ticks(range: &Range<f64>) -> Vec<Tick> {
-    let (first, last) = (range.start.log10().floor() as i32, range.end.log10().ceil() as i32);
-    let labelled: &[u32] = if (range.end / range.start).log10() < 2.2 { &[1, 2, 5] } else { &[1] };
-    (first..=last)
-        .flat_map(|decade| (1..10u32).map(move |digit| (decade, digit)))
-        .map(|(decade, digit)| (format!("{digit}e{decade}").parse().unwrap_or(f64::NAN), digit))
-        .filter(|(value, _)| range.contains(value))
-        .map(|(value, digit)| (value, labelled.contains(&digit).then(|| value.to_string())))
-        .collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_axis_has_labels_however_short() {
-        let labels = |range| ticks(&range).into_iter().filter_map(|(_, label)| label).collect::<Vec<_>>();
-        assert_eq!(labels(0.03..0.4), ["0.05", "0.1", "0.2"]);
-        assert_eq!(labels(0.5..2000.0), ["1", "10", "100", "1000"]);
-    }
 }

@@ -2,82 +2,132 @@
 
 use super::{
     series::Series,
-    style::{FAMILY, mark},
+    style::{FAMILY, Look, SIZE, mark},
 };
 use plotters::{
     coord::Shift,
+    element::DashedPathElement,
     prelude::*,
     style::text_anchor::{HPos, Pos, VPos},
 };
 
-/// Draws it: a line and a mark for each series, the front, and the meaning of numbers at points.
-pub(super) fn legend<B: DrawingBackend>(
-    area: &DrawingArea<B, Shift>,
-    scale: u32,
-    series: &[Series],
-) -> Result<(), String> {
-    let text = |error: DrawingAreaErrorKind<B::ErrorType>| error.to_string();
-    let px = |n: i32| n * scale as i32;
-    let style = || (FAMILY, px(14)).into_font().color(&RGBColor(30, 30, 30)).pos(Pos::new(HPos::Left, VPos::Center));
-    let mut y = px(60);
-    let mut numbers: Vec<String> = Vec::new();
-    // The lighter ones are told of together.
-    let is_listed = |own: &&Series| own.name == own.kind || series.iter().all(|other| other.name != own.kind);
-    for series in series.iter().filter(is_listed) {
-        area.draw(&PathElement::new(vec![(px(4), y), (px(34), y)], series.color.mix(0.55).stroke_width(2 * scale)))
-            .map_err(text)?;
-        let (inside, outline) = mark(series.mark, series.color, true, scale);
-        area.draw(&(EmptyElement::at((px(19), y)) + inside + outline)).map_err(text)?;
-        for (number, line) in wrapped(&series.name).into_iter().enumerate() {
-            y += if number > 0 { px(16) } else { 0 };
-            area.draw(&Text::new(line, (px(44), y), style())).map_err(text)?;
-        }
-        y += px(24);
-    }
-    for series in series.iter().filter(|series| !series.numbers.is_empty()) {
-        let strategy = series.name.split(' ').next().unwrap_or("");
-        let line = format!("{strategy}: {}", series.numbers);
-        if !numbers.contains(&line) {
-            numbers.push(line);
-        }
-    }
-    y += px(8);
-    area.draw(&PathElement::new(vec![(px(4), y), (px(34), y)], RGBColor(170, 170, 170).stroke_width(4 * scale)))
-        .map_err(text)?;
-    area.draw(&Text::new("Pareto front", (px(44), y), style())).map_err(text)?;
-    if let Some(other) = series.iter().find(|series| !is_listed(series)) {
-        y += px(24);
-        let device = other.name.trim_start_matches(&other.kind);
-        area.draw(&Text::new(format!("lighter: the same{device}"), (px(44), y), style())).map_err(text)?;
-    }
-    if series.iter().flat_map(|series| &series.points).any(|point| !point.resolved) {
-        y += px(24);
-        area.draw(&Circle::new((px(19), y), px(5), BLACK.stroke_width(scale))).map_err(text)?;
-        area.draw(&Text::new("not resolved by the truth", (px(44), y), style())).map_err(text)?;
-    }
-    if !numbers.is_empty() {
-        y += px(36);
-        area.draw(&Text::new("numbers at the points:", (px(4), y), style())).map_err(text)?;
-        // Lines move together where there is little room left.
-        let room = area.dim_in_pixel().1 as i32 - px(12) - y;
-        let step = px(22).min(room / numbers.len() as i32);
-        for line in numbers {
-            y += step;
-            area.draw(&Text::new(line, (px(16), y), style())).map_err(text)?;
-        }
-    }
-    Ok(())
+/// Letters that fit beside a mark.
+const LETTERS: usize = 28;
+
+/// Pixels between the first lines of two entries, and between lines of one.
+const STEP: u32 = 24;
+const LINE: u32 = 17;
+
+/// Pixels above the first entry and below the last.
+const TOP: u32 = 60;
+const BOTTOM: u32 = 16;
+
+/// One entry: what stands at its left, and its lines.
+struct Entry {
+    sign: Sign,
+    lines: Vec<String>,
 }
 
-/// Letters that fit beside a mark of the legend.
-const LEGEND_LETTERS: usize = 30;
+enum Sign {
+    Series(Look),
+    Front,
+    Hollow,
+    None,
+}
 
-/// A name in lines that fit the legend, broken between words.
-fn wrapped(name: &str) -> Vec<String> {
+/// All entries of a plot: its series, the front, marks, and the meaning of numbers at points.
+pub(super) struct Legend(Vec<Entry>);
+
+impl Legend {
+    pub(super) fn new(series: &[Series]) -> Self {
+        // The lighter ones are told of together.
+        let is_listed = |own: &&Series| own.name == own.kind || series.iter().all(|other| other.name != own.kind);
+        let mut entries: Vec<Entry> = Vec::new();
+        for series in series.iter().filter(is_listed) {
+            entries.push(Entry { sign: Sign::Series(series.look), lines: wrapped(&series.name) });
+        }
+        entries.push(Entry { sign: Sign::Front, lines: vec!["Pareto front".into()] });
+        if let Some(other) = series.iter().find(|series| !is_listed(series)) {
+            let device = other.name.trim_start_matches(&other.kind);
+            entries.push(Entry { sign: Sign::None, lines: vec![format!("lighter: the same{device}")] });
+        }
+        if series.iter().flat_map(|series| &series.points).any(|point| !point.resolved) {
+            entries.push(Entry { sign: Sign::Hollow, lines: vec!["not resolved by the truth".into()] });
+        }
+        let mut numbers: Vec<String> = Vec::new();
+        for series in series.iter().filter(|series| !series.numbers.is_empty()) {
+            let strategy = series.name.split(' ').next().unwrap_or("");
+            let line = format!("{strategy}: {}", series.numbers);
+            if !numbers.contains(&line) {
+                numbers.push(line);
+            }
+        }
+        if !numbers.is_empty() {
+            entries.push(Entry { sign: Sign::None, lines: vec!["numbers at the points:".into()] });
+            entries.extend(numbers.iter().map(|line| Entry { sign: Sign::None, lines: wrapped(line) }));
+        }
+        Self(entries)
+    }
+
+    /// Height of a plot that holds it, in pixels of an SVG.
+    pub(super) fn height(&self) -> u32 {
+        let lines: u32 = self.0.iter().map(|entry| STEP + LINE * (entry.lines.len() as u32 - 1)).sum();
+        (TOP + lines + BOTTOM).max(SIZE.1)
+    }
+
+    pub(super) fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, scale: u32) -> Result<(), String> {
+        let text = |error: DrawingAreaErrorKind<B::ErrorType>| error.to_string();
+        let px = |n: u32| (n * scale) as i32;
+        let style =
+            || (FAMILY, px(14)).into_font().color(&RGBColor(30, 30, 30)).pos(Pos::new(HPos::Left, VPos::Center));
+        let mut y = px(TOP);
+        for Entry { sign, lines } in &self.0 {
+            let line = vec![(px(4), y), (px(38), y)];
+            match sign {
+                Sign::Series(look) => {
+                    draw_line(area, line, look, scale).map_err(text)?;
+                    let (inside, outline) = mark(*look, true, scale);
+                    area.draw(&(EmptyElement::at((px(21), y)) + inside + outline)).map_err(text)?;
+                }
+                Sign::Front => {
+                    let grey = RGBColor(170, 170, 170).stroke_width(4 * scale);
+                    area.draw(&PathElement::new(line, grey)).map_err(text)?;
+                }
+                Sign::Hollow => {
+                    area.draw(&Circle::new((px(21), y), px(5), BLACK.stroke_width(scale))).map_err(text)?;
+                }
+                Sign::None => {}
+            }
+            for (number, line) in lines.iter().enumerate() {
+                y += if number > 0 { px(LINE) } else { 0 };
+                area.draw(&Text::new(line.as_str(), (px(48), y), style())).map_err(text)?;
+            }
+            y += px(STEP);
+        }
+        Ok(())
+    }
+}
+
+/// A line in the looks of a series.
+fn draw_line<B: DrawingBackend>(
+    area: &DrawingArea<B, Shift>,
+    line: Vec<(i32, i32)>,
+    look: &Look,
+    scale: u32,
+) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
+    let stroke = look.color.mix(0.55).stroke_width(2 * scale);
+    match look.dash {
+        None => area.draw(&PathElement::new(line, stroke)),
+        Some([dash, gap]) => area.draw(&DashedPathElement::new(line, dash * scale, gap * scale, stroke)),
+    }
+}
+
+/// A text in lines that fit the legend, broken between words.
+fn wrapped(text: &str) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
-    for word in name.split(' ') {
+    for word in text.split(' ') {
         match lines.last_mut() {
-            Some(line) if line.len() + word.len() < LEGEND_LETTERS => {
+            Some(line) if line.chars().count() + word.chars().count() < LETTERS => {
                 line.push(' ');
                 line.push_str(word);
             }
@@ -96,7 +146,7 @@ mod tests {
         assert_eq!(wrapped("fast hybrid"), ["fast hybrid"]);
         let name = "fast solid-angle precomputed leaves center direct hybrid linear";
         let lines = wrapped(name);
-        assert!(lines.len() > 1 && lines.iter().all(|line| line.len() <= LEGEND_LETTERS), "{lines:?}");
+        assert!(lines.len() > 1 && lines.iter().all(|line| line.len() <= LETTERS), "{lines:?}");
         assert_eq!(lines.join(" "), name);
     }
 }

@@ -2,17 +2,15 @@
 
 use super::{
     super::{groups::Group, pareto::front},
-    style::PALETTE,
+    style::Look,
 };
 use crate::results::{Results, Run};
-use plotters::style::RGBColor;
-use std::collections::BTreeSet;
 
 /// One measured run.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Point {
-    pub(super) frame_ms: f64,
-    pub(super) frame_ms_mad: f64,
+    pub(super) frame_secs: f64,
+    pub(super) frame_secs_mad: f64,
     pub(super) error: f64,
     pub(super) error_noise: f64,
     pub(super) resolved: bool,
@@ -28,80 +26,106 @@ pub(super) struct Series {
     pub(super) kind: String,
     /// Meaning of the numbers at its points.
     pub(super) numbers: String,
-    pub(super) color: RGBColor,
-    pub(super) mark: usize,
+    pub(super) look: Look,
     pub(super) points: Vec<Point>,
 }
 
-/// All series of one frame of one scene.
-pub(super) fn series(results: &Results, group: &Group) -> Vec<Series> {
-    let runs: Vec<&Run> =
-        group.runs(results).filter(|run| run.reference() == "mesh" && run.frame_secs().is_some()).collect();
-    let mut all: Vec<Series> = Vec::new();
-    for run in &runs {
+/// Names and looks of all series of some results: the same in every plot.
+pub(super) struct Kinds<'a> {
+    results: &'a Results,
+    runs: Vec<&'a Run>,
+    /// Kinds in the order of their first runs.
+    kinds: Vec<String>,
+}
+
+impl<'a> Kinds<'a> {
+    pub(super) fn new(results: &'a Results) -> Self {
+        let runs: Vec<&Run> = results.runs.iter().filter(|run| is_shown(run)).collect();
+        let mut all = Self { results, runs, kinds: Vec::new() };
+        for run in all.runs.clone() {
+            let kind = all.kind(run);
+            if !all.kinds.contains(&kind) {
+                all.kinds.push(kind);
+            }
+        }
+        all
+    }
+
+    /// The strategy, its preset and those of its words that most of its runs don't share.
+    fn kind(&self, run: &Run) -> String {
+        let own = || self.runs.iter().filter(|other| other.strategy == run.strategy);
         // A value that most of a strategy's runs share needs no label.
-        let is_usual = |key: &String, value: &serde_json::Value| {
-            let own = || runs.iter().filter(|other| other.strategy == run.strategy);
+        let is_usual = |key: &str, value: &serde_json::Value| {
             2 * own().filter(|other| other.params.get(key) == Some(value)).count() > own().count()
         };
         let told = Told::by(&run.label);
-        let is_told_by_any =
-            |key: &str| runs.iter().any(|other| other.strategy == run.strategy && Told::by(&other.label).tells(key));
         let words = (run.params.iter())
             .filter(|(key, value)| told.tells(key) && !is_usual(key, value))
             .filter_map(|(key, value)| Some(format!("{key}={}", value.as_str()?)));
         let words: Vec<String> = told.preset.map(str::to_owned).into_iter().chain(words).collect();
-        let varying: Vec<&str> = run
-            .params
-            .iter()
-            .filter(|(key, value)| {
-                value.is_number()
-                    && is_told_by_any(key)
-                    && runs.iter().any(|other| other.strategy == run.strategy && other.params.get(*key) != Some(value))
-            })
-            .map(|(key, _)| key.as_str())
-            .collect();
-        let kind =
-            if words.is_empty() { run.strategy.clone() } else { format!("{} {}", run.strategy, words.join(" ")) };
-        let name = if run.device.is_cpu() { kind.clone() } else { format!("{kind} on {}", run.device) };
-        let (Some(error), Some(truth), Some(time)) = (&run.error, &run.truth, &run.time) else { continue };
-        let (m, scale) = (&error.metrics, truth.unshadowed_mean);
-        if scale.is_nan() || scale <= 0.0 {
-            continue;
-        }
-        let value = if m.resolved { m.rmse } else { m.rmse.max(truth.rms_standard_error) } / scale;
-        let mads = [time.prepare_secs, time.shade_secs].into_iter().flatten().map(|spread| spread.mad);
-        let point = Point {
-            frame_ms: 1e3 * run.frame_secs().unwrap_or_default(),
-            frame_ms_mad: 1e3 * mads.sum::<f64>(),
-            error: value,
-            error_noise: m.rmse_noise / scale,
-            resolved: m.resolved,
-            numbers: varying.iter().map(|key| run.params[*key].to_string()).collect::<Vec<_>>().join(", "),
-        };
-        if !(point.frame_ms > 0.0 && point.error > 0.0) {
-            continue;
-        }
-        match all.iter_mut().find(|series| series.name == name) {
-            Some(series) => series.points.push(point),
-            None => {
-                let place = results.strategies.iter().position(|strategy| *strategy == run.strategy).unwrap_or(0);
-                let kinds: BTreeSet<&str> = (all.iter().map(|series| series.kind.as_str()))
-                    .filter(|kind| kind.split(' ').next() == Some(&run.strategy))
-                    .collect();
-                let known = all.iter().find(|series| series.kind == kind).map(|series| series.mark);
-                let mark = known.unwrap_or(kinds.len());
-                let color = PALETTE[place % PALETTE.len()];
-                let color = if run.device.is_cpu() { color } else { lighter(color) };
-                let numbers = varying.join(", ");
-                all.push(Series { name, kind, numbers, color, mark, points: vec![point] });
+        if words.is_empty() { run.strategy.clone() } else { format!("{} {}", run.strategy, words.join(" ")) }
+    }
+
+    fn look(&self, run: &Run, kind: &str) -> Look {
+        let strategy = self.results.strategies.iter().position(|strategy| *strategy == run.strategy).unwrap_or(0);
+        let place = self.kinds.iter().position(|known| known == kind).unwrap_or(0);
+        let look = Look::new(strategy, place);
+        if run.device.is_cpu() { look } else { look.lighter() }
+    }
+
+    /// All series of one frame of one scene.
+    pub(super) fn series(&self, group: &Group) -> Vec<Series> {
+        let mut runs: Vec<(String, Vec<&Run>)> = Vec::new();
+        for run in group.runs(self.results).filter(|run| is_shown(run)) {
+            let kind = self.kind(run);
+            let name = if run.device.is_cpu() { kind } else { format!("{kind} on {}", run.device) };
+            match runs.iter_mut().find(|(known, _)| *known == name) {
+                Some((_, runs)) => runs.push(run),
+                None => runs.push((name, vec![run])),
             }
         }
+        runs.into_iter().filter_map(|(name, runs)| self.one(name, &runs)).collect()
     }
-    for series in &mut all {
-        series.points.sort_by(|a, b| a.frame_ms.total_cmp(&b.frame_ms));
+
+    /// `None` if it has no point with a place on logarithmic axes.
+    fn one(&self, name: String, runs: &[&Run]) -> Option<Series> {
+        let first = *runs.first()?;
+        let kind = self.kind(first);
+        let differs = |key: &str| runs.iter().any(|run| run.params.get(key) != first.params.get(key));
+        let numbers: Vec<&str> = first
+            .params
+            .iter()
+            .filter(|(key, value)| value.is_number() && differs(key))
+            .map(|(key, _)| key.as_str())
+            .collect();
+        let mut points: Vec<Point> = runs.iter().filter_map(|run| point(run, &numbers)).collect();
+        points.sort_by(|a, b| a.frame_secs.total_cmp(&b.frame_secs));
+        let look = self.look(first, &kind);
+        (!points.is_empty()).then(|| Series { name, kind, numbers: numbers.join(", "), look, points })
     }
-    all
+}
+
+/// Whether a run was both scored against the mesh and timed.
+fn is_shown(run: &Run) -> bool {
+    run.reference() == "mesh" && run.frame_secs().is_some()
+}
+
+/// A run as a point; `None` where it has no place on logarithmic axes.
+fn point(run: &Run, numbers: &[&str]) -> Option<Point> {
+    let (error, truth, time) = (run.error.as_ref()?, run.truth.as_ref()?, run.time.as_ref()?);
+    let (m, scale) = (&error.metrics, truth.unshadowed_mean);
+    (scale > 0.0).then_some(())?;
+    let value = if m.resolved { m.rmse } else { m.rmse.max(truth.rms_standard_error) } / scale;
+    let mads = [time.prepare_secs, time.shade_secs].into_iter().flatten().map(|spread| spread.mad);
+    let point = Point {
+        frame_secs: run.frame_secs()?,
+        frame_secs_mad: mads.sum(),
+        error: value,
+        error_noise: m.rmse_noise / scale,
+        resolved: m.resolved,
+        numbers: numbers.iter().map(|key| run.params[*key].to_string()).collect::<Vec<_>>().join(", "),
+    };
+    (point.frame_secs > 0.0 && point.error > 0.0).then_some(point)
 }
 
 /// Parameters that a label tells; all others are the default's or the preset's.
@@ -124,32 +148,25 @@ impl<'a> Told<'a> {
     }
 }
 
-/// The colour of a strategy on a graphics device.
-fn lighter(RGBColor(r, g, b): RGBColor) -> RGBColor {
-    let [r, g, b] = [r, g, b].map(|value| value + (255 - value) / 2);
-    RGBColor(r, g, b)
-}
-
 /// Points that no other beats in both time and error, in the order of time.
 pub(super) fn pareto_front(series: &[Series]) -> Vec<(f64, f64)> {
     let points: Vec<&Point> = series.iter().flat_map(|series| &series.points).collect();
     // Nothing is better than what the truth can't tell from none.
     let ranks: Vec<(f64, f64)> =
-        points.iter().map(|point| (point.frame_ms, if point.resolved { point.error } else { 0.0 })).collect();
-    front(&ranks).into_iter().map(|place| (points[place].frame_ms, points[place].error)).collect()
+        points.iter().map(|point| (point.frame_secs, if point.resolved { point.error } else { 0.0 })).collect();
+    front(&ranks).into_iter().map(|place| (points[place].frame_secs, points[place].error)).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::{Device, report::groups::tests::only, results::tests::example};
-    use plotters::style::BLACK;
 
     #[test]
     fn the_front_holds_what_nothing_beats() {
-        let point = |frame_ms, error| Point {
-            frame_ms,
-            frame_ms_mad: 0.0,
+        let point = |frame_secs, error| Point {
+            frame_secs,
+            frame_secs_mad: 0.0,
             error,
             error_noise: 0.0,
             resolved: true,
@@ -160,15 +177,14 @@ mod tests {
                 name: String::new(),
                 kind: String::new(),
                 numbers: String::new(),
-                color: BLACK,
-                mark: 0,
+                look: Look::new(0, 0),
                 points,
             }])
         };
         let points = vec![point(1.0, 0.5), point(2.0, 0.6), point(3.0, 0.1), point(3.0, 0.2), point(4.0, 0.1)];
         assert_eq!(front(points), [(1.0, 0.5), (3.0, 0.1)]);
         let unresolved = Point { resolved: false, ..point(2.0, 0.3) };
-        let slower = Point { frame_ms: 5.0, ..unresolved.clone() };
+        let slower = Point { frame_secs: 5.0, ..unresolved.clone() };
         assert_eq!(front(vec![point(1.0, 0.5), unresolved, point(3.0, 0.2), slower]), [(1.0, 0.5), (2.0, 0.3)]);
     }
 
@@ -186,12 +202,12 @@ mod tests {
         published.params.insert("limit".into(), serde_json::json!(4.8));
         published.label = "fast:as-published,bands=6".into();
         results.runs.extend([more, other, published]);
-        let series = series(&results, &only());
+        let series = Kinds::new(&results).series(&only());
         let shown: Vec<(&str, usize)> = series.iter().map(|s| (s.name.as_str(), s.points.len())).collect();
         assert_eq!(shown, [("fast", 2), ("exact", 1), ("fast exp=series", 1), ("fast as-published", 1)]);
         assert_eq!(series[0].points[1].numbers, "6");
-        assert_eq!(series[0].color, series[2].color);
-        assert_ne!((series[0].mark, series[0].color), (series[2].mark, series[1].color));
+        assert_eq!(series[0].look.color, series[2].look.color);
+        assert_ne!((series[0].look.mark, series[0].look.color), (series[2].look.mark, series[1].look.color));
     }
 
     /// The same on a graphics device is another series, with the same mark in a lighter colour.
@@ -200,9 +216,9 @@ mod tests {
         let mut results = example();
         let on_device = Run { device: Device::Gpu, ..results.runs[0].clone() };
         results.runs.push(on_device);
-        let series = series(&results, &only());
-        let shown: Vec<(&str, usize)> = series.iter().map(|s| (s.name.as_str(), s.mark)).collect();
-        assert_eq!(shown, [("fast", 0), ("exact", 0), ("fast on gpu", 0)]);
-        assert_ne!(series[0].color, series[2].color);
+        let series = Kinds::new(&results).series(&only());
+        let shown: Vec<(&str, usize)> = series.iter().map(|s| (s.name.as_str(), s.look.mark)).collect();
+        assert_eq!(shown, [("fast", 0), ("exact", 1), ("fast on gpu", 0)]);
+        assert_ne!(series[0].look.color, series[2].look.color);
     }
 }
