@@ -23,6 +23,11 @@ pub fn plot(scene: &str, frame: usize, receivers: &str) -> String {
     format!("plots/{}", file_name(&format!("error-time-{scene}-{frame:04}-{receivers}")))
 }
 
+/// The plot of a scene's errors and times over frames: its path below the results, without an ending.
+pub fn plot_over_frames(scene: &str, receivers: &str) -> String {
+    format!("plots/{}", file_name(&format!("over-frames-{scene}-{receivers}")))
+}
+
 /// The file name, without an ending, of what is called `name`: at most 98 ASCII bytes, without a dot.
 pub fn file_name(name: &str) -> String {
     let is_plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || matches!(c, '-' | '_');

@@ -64,7 +64,7 @@ impl Comparison {
     /// The experiment.
     ///
     /// # Errors
-    /// What a file with the same text would be refused for.
+    /// The same as of a file with that text.
     pub fn experiment(&self) -> Result<Experiment, HarnessError> {
         Experiment::parse(&self.text(), Path::new(""))
     }

@@ -46,10 +46,13 @@ pub fn page(results: &Results) -> Page {
         let pictures = results.pictures.iter().filter(|files| files.scene == group.scene && files.frame == group.frame);
         blocks.push(Block::Pictures(pictures.cloned().collect()));
     }
+    for (name, plot) in Plot::over_frames(results, &groups) {
+        blocks.extend([Block::Heading(format!("{name}: over frames")), Block::Plot(plot)]);
+    }
     Page { provenance, blocks }
 }
 
-/// What a run ends with: a table per frame, and the verdicts.
+/// The page that a run ends with: a table per frame, and the verdicts.
 pub fn summary(results: &Results) -> Page {
     let tables = Group::all(results).into_iter().map(|group| scene_table(results, &group));
     let blocks = tables.chain(verdicts(results)).map(Block::Table).collect();

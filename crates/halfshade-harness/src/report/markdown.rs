@@ -18,7 +18,7 @@ fn block(block: &Block) -> String {
         Block::Heading(text) => format!("## {}\n", escape(text)),
         Block::Note(text) => format!("{}\n", escape(text)),
         Block::Table(content) => table(content),
-        Block::Plot(plot) => format!("![error against time]({}.svg)\n", plot.file),
+        Block::Plot(plot) => format!("![{}]({}.svg)\n", escape(&plot.title), plot.file),
         Block::Pictures(files) => pictures(files),
     }
 }

@@ -28,7 +28,7 @@ pub use contents::{data, page, provenance, summary};
 pub use format::Format;
 pub use groups::Group;
 pub use page::{Block, Page};
-pub use plot::Plot;
+pub use plot::{LEAST_FRAMES, Plot};
 pub use significant::significant;
 pub use table::{Better, Cell, Column, Table};
 pub use write::{Write, report, write_all, write_plots};

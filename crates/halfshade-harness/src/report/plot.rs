@@ -1,4 +1,4 @@
-//! Error against time, log-log: which method to choose at which price.
+//! Error against time, log-log: which method to choose at which price; and both over the frames of a scene.
 //!
 //! One colour per strategy, fixed by its place in the list of all; one mark and line per choice of words among its parameters, the
 //! same in all plots of some results; numbers among its parameters are written beside the points, which are
@@ -8,6 +8,7 @@
 
 mod chart;
 mod embedded;
+mod frames;
 mod labels;
 mod legend;
 mod series;
@@ -18,21 +19,32 @@ mod ticks;
 
 use super::groups::Group;
 use crate::{file_names, image_io::png_bytes, results::Results};
-use chart::draw;
 use embedded::with_font;
 use legend::Legend;
-use plotters::prelude::*;
+use plotters::{coord::Shift, prelude::*};
 use series::{Kinds, Series};
 use style::{SIZE, register_font};
 
-/// The plot of one frame of one scene, ready to be drawn.
+/// Frames of a scene from which on errors and times are drawn over them.
+pub const LEAST_FRAMES: usize = 3;
+
+/// A plot, ready to be drawn.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plot {
     /// Path of its files without their ending, relative to the results.
     pub file: String,
-    title: String,
-    threads: usize,
+    /// Its title.
+    pub title: String,
+    kind: Kind,
     series: Vec<Series>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    /// Times are of so many threads.
+    ErrorAgainstTime { threads: usize },
+    /// Every series is one variant.
+    OverFrames,
 }
 
 impl Plot {
@@ -44,16 +56,48 @@ impl Plot {
             (!series.is_empty()).then(|| Self {
                 file: file_names::plot(&group.scene, group.frame, &group.receivers),
                 title: format!("{}: error against time", group.place()),
-                threads: results.machine.threads,
+                kind: Kind::ErrorAgainstTime { threads: results.machine.threads },
                 series,
             })
         };
         groups.iter().map(plot).collect()
     }
 
+    /// Error and time over frames, for every scene and kind of receivers of [`LEAST_FRAMES`] or more; each with that name.
+    pub fn over_frames(results: &Results, groups: &[Group]) -> Vec<(String, Self)> {
+        let kinds = Kinds::new(results);
+        let mut plots = Vec::new();
+        for (place, group) in groups.iter().enumerate() {
+            let is_same = |other: &&Group| (&other.scene, &other.receivers) == (&group.scene, &group.receivers);
+            let frames: Vec<&Group> = groups.iter().filter(is_same).collect();
+            if frames.len() < LEAST_FRAMES || groups[..place].iter().any(|other| is_same(&other)) {
+                continue;
+            }
+            let series = kinds.curves(&frames);
+            if series.is_empty() {
+                continue;
+            }
+            let name = format!("{}, {}", group.scene, group.receivers);
+            let file = file_names::plot_over_frames(&group.scene, &group.receivers);
+            plots.push((
+                name,
+                Self { file, title: format!("{}: over frames", group.scene), kind: Kind::OverFrames, series },
+            ));
+        }
+        plots
+    }
+
     /// Width and height in pixels.
     fn size(&self, scale: u32) -> (u32, u32) {
-        (SIZE.0 * scale, Legend::new(&self.series).height() * scale)
+        let legend = Legend::new(&self.series, self.kind != Kind::OverFrames);
+        (SIZE.0 * scale, legend.height() * scale)
+    }
+
+    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, scale: u32) -> Result<(), String> {
+        match self.kind {
+            Kind::ErrorAgainstTime { threads } => chart::draw(area, scale, &self.title, threads, &self.series),
+            Kind::OverFrames => frames::draw(area, scale, &self.title, &self.series),
+        }
     }
 
     /// The plot as SVG, its font within it.
@@ -61,7 +105,7 @@ impl Plot {
         register_font();
         let mut svg = String::new();
         let area = SVGBackend::with_string(&mut svg, self.size(1)).into_drawing_area();
-        draw(&area, 1, &self.title, self.threads, &self.series)?;
+        self.draw(&area, 1)?;
         drop(area);
         with_font(&svg, &self.title)
     }
@@ -71,10 +115,9 @@ impl Plot {
         register_font();
         let (width, height) = self.size(2);
         let mut pixels = vec![0; 3 * (width * height) as usize];
-        {
-            let area = BitMapBackend::with_buffer(&mut pixels, (width, height)).into_drawing_area();
-            draw(&area, 2, &self.title, self.threads, &self.series)?;
-        }
+        let area = BitMapBackend::with_buffer(&mut pixels, (width, height)).into_drawing_area();
+        self.draw(&area, 2)?;
+        drop(area);
         let image = image::RgbImage::from_raw(width, height, pixels).ok_or("the bitmap has a wrong size")?;
         png_bytes(&image)
     }

@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{
     Experiment, HarnessError, ReferenceKind, Variant, Weighting, experiment::TimingSettings, file_names,
-    reference::Accuracy, variant,
+    reference::Accuracy, report::LEAST_FRAMES, variant,
 };
 use halfshade_scene::InputFile;
 use halfshade_strategy::Strategy;
@@ -86,6 +86,11 @@ impl Plan {
             if self.timing.is_some() {
                 for (frame, kind) in frames.iter().flat_map(|frame| receivers.iter().map(move |kind| (*frame, kind))) {
                     add(file_names::plot(&scene.name, frame, &kind.to_string()), &[".svg", ".png"]);
+                }
+            }
+            if frames.len() >= LEAST_FRAMES {
+                for kind in receivers {
+                    add(file_names::plot_over_frames(&scene.name, &kind.to_string()), &[".svg", ".png"]);
                 }
             }
             let Some(&first) = frames.first().filter(|_| !self.pictured.is_empty()) else { continue };

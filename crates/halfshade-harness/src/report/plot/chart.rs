@@ -1,15 +1,15 @@
 //! Axes, curves and labels of a plot.
 
 use super::{
-    labels::{Rect, place},
+    labels::{Labelled, Rect, place},
     legend::Legend,
     series::{Point, Series, pareto_front},
-    style::{FAMILY, LEGEND_WIDTH, MARK_RADIUS, SIZE, mark},
+    style::{FAMILY, LEGEND_WIDTH, Look, MARK_RADIUS, SIZE, mark},
     ticks::{Tick, ticks},
 };
 use crate::report::units::{percent, seconds};
 use plotters::{
-    coord::Shift,
+    coord::{Shift, ranged1d::Ranged},
     prelude::*,
     style::{
         FontStyle, FontTransform,
@@ -66,28 +66,23 @@ pub(super) fn draw<B: DrawingBackend>(
     chart.draw_series(LineSeries::new(stairs, RGBColor(170, 170, 170).stroke_width(px(4)))).map_err(text)?;
     for series in series {
         let line: Vec<(f64, f64)> = series.points.iter().map(|point| (point.frame_secs, point.error)).collect();
-        let stroke = series.look.color.mix(0.55).stroke_width(px(2));
-        match series.look.dash {
-            None => chart.draw_series(LineSeries::new(line, stroke)).map(|_| ()),
-            Some([dash, gap]) => chart.draw_series(DashedLineSeries::new(line, px(dash), px(gap), stroke)).map(|_| ()),
-        }
-        .map_err(text)?;
+        draw_curve(&mut chart, line, series.look, scale).map_err(text)?;
         for point in &series.points {
             draw_point(&mut chart, series, point, scale).map_err(text)?;
         }
     }
     draw_numbers(&left, &chart, series, scale)?;
     draw_labels(&left, &chart, &axes, scale, threads).map_err(text)?;
-    Legend::new(series).draw(&right, scale)?;
+    Legend::new(series, true).draw(&right, scale)?;
     area.present().map_err(text)
 }
 
-fn text<E: std::error::Error + Send + Sync>(error: DrawingAreaErrorKind<E>) -> String {
+pub(super) fn text<E: std::error::Error + Send + Sync>(error: DrawingAreaErrorKind<E>) -> String {
     error.to_string()
 }
 
 /// Size of the title's letters: smaller where it is long.
-fn title_size(title: &str, scale: u32) -> u32 {
+pub(super) fn title_size(title: &str, scale: u32) -> u32 {
     /// Letters that fit at full size.
     const LETTERS: usize = 58;
     let count = title.chars().count().max(LETTERS);
@@ -132,44 +127,69 @@ fn draw_point<B: DrawingBackend>(
     Ok(())
 }
 
-/// Draws the numbers of all points beside them, with a thin line to those that lie far away.
+/// Draws the numbers of all points beside them.
 fn draw_numbers<B: DrawingBackend>(
     area: &DrawingArea<B, Shift>,
     chart: &Chart<'_, B>,
     series: &[Series],
     scale: u32,
 ) -> Result<(), String> {
+    let points = series.iter().flat_map(|series| &series.points);
+    let places = points.map(|point| (chart.backend_coord(&(point.frame_secs, point.error)), point.numbers.as_str()));
+    draw_beside(area, chart.plotting_area().get_pixel_range(), &places.collect::<Vec<_>>(), scale)
+}
+
+/// Draws each text beside its place, in pixels, within a plot's columns and rows, with a thin line to those that lie far away.
+pub(super) fn draw_beside<B: DrawingBackend>(
+    area: &DrawingArea<B, Shift>,
+    (columns, rows): (Range<i32>, Range<i32>),
+    texts: &[((i32, i32), &str)],
+    scale: u32,
+) -> Result<(), String> {
     let px = |n: u32| (n * scale) as i32;
     let grey = RGBColor(70, 70, 70);
     let style = || (FAMILY, px(12)).into_font().color(&grey).pos(Pos::new(HPos::Left, VPos::Top));
-    let size = |numbers: &str| -> Result<(i32, i32), String> {
-        if numbers.is_empty() {
-            return Ok((0, 0));
-        }
-        let (width, height) = style().font.box_size(numbers).map_err(|error| error.to_string())?;
-        Ok((width as i32, height as i32))
-    };
-    let mut points = Vec::new();
-    for point in series.iter().flat_map(|series| &series.points) {
-        let place = chart.backend_coord(&(point.frame_secs, point.error));
-        points.push((place, size(&point.numbers)?));
+    let mut points = Vec::with_capacity(texts.len());
+    for &(point, text) in texts {
+        let size = match text {
+            "" => (0, 0),
+            text => style().font.box_size(text).map_err(|error| error.to_string())?,
+        };
+        points.push(Labelled { point, size: (size.0 as i32, size.1 as i32) });
     }
-    let (columns, rows) = chart.plotting_area().get_pixel_range();
     let bounds = Rect { left: columns.start + px(2), top: rows.start, right: columns.end, bottom: rows.end - px(2) };
     let reach = px(MARK_RADIUS);
-    let placed = place(&points, reach, bounds);
-    let numbers = series.iter().flat_map(|series| &series.points).map(|point| &point.numbers);
-    for ((numbers, ((x, y), _)), label) in numbers.zip(&points).zip(placed) {
+    for (&((x, y), numbers), label) in texts.iter().zip(place(&points, reach, bounds)) {
         let Some(Rect { left, top, right, bottom }) = label else { continue };
-        let (nearest_x, nearest_y) = ((*x).clamp(left, right), (*y).clamp(top, bottom));
+        let (nearest_x, nearest_y) = (x.clamp(left, right), y.clamp(top, bottom));
         let away = f64::from(nearest_x - x).hypot(f64::from(nearest_y - y));
         if away > 2.5 * f64::from(reach) {
-            let line = PathElement::new(vec![(*x, *y), (nearest_x, nearest_y)], grey.mix(0.5).stroke_width(scale));
+            let line = PathElement::new(vec![(x, y), (nearest_x, nearest_y)], grey.mix(0.5).stroke_width(scale));
             area.draw(&line).map_err(text)?;
         }
-        area.draw(&Text::new(numbers.as_str(), (left, top), style())).map_err(text)?;
+        area.draw(&Text::new(numbers, (left, top), style())).map_err(text)?;
     }
     Ok(())
+}
+
+/// Draws a line in the looks of a series.
+pub(super) fn draw_curve<B: DrawingBackend, X, Y>(
+    chart: &mut ChartContext<'_, B, Cartesian2d<X, Y>>,
+    line: Vec<(f64, f64)>,
+    look: Look,
+    scale: u32,
+) -> Result<(), DrawingAreaErrorKind<B::ErrorType>>
+where
+    X: Ranged<ValueType = f64>,
+    Y: Ranged<ValueType = f64>,
+{
+    let stroke = look.color.mix(0.55).stroke_width(2 * scale);
+    match look.dash {
+        None => chart.draw_series(LineSeries::new(line, stroke)).map(|_| ()),
+        Some([dash, gap]) => {
+            chart.draw_series(DashedLineSeries::new(line, dash * scale, gap * scale, stroke)).map(|_| ())
+        }
+    }
 }
 
 /// Draws labels of ticks, and titles of axes. The library labels whole decades only, and axes that hold none not at all.
@@ -204,7 +224,7 @@ fn draw_labels<B: DrawingBackend>(
 }
 
 /// The range of `values`, widened by a part of its decades on both sides.
-fn log_range(values: impl Iterator<Item = f64>) -> Range<f64> {
+pub(super) fn log_range(values: impl Iterator<Item = f64>) -> Range<f64> {
     let (low, high) = values.fold((f64::INFINITY, 0.0f64), |(low, high), value| (low.min(value), high.max(value)));
     let margin = (0.08 * (high / low).log10()).max(0.08);
     low * 10f64.powf(-margin)..high * 10f64.powf(1.4 * margin)

@@ -24,6 +24,14 @@ impl Rect {
     }
 }
 
+/// A point, and the label that belongs to it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Labelled {
+    pub(super) point: (i32, i32),
+    /// Width and height of the label; nothing if there is none.
+    pub(super) size: (i32, i32),
+}
+
 /// Distances between a mark's edge and its label that are tried, as multiples of the mark's reach.
 const DISTANCES: [f64; 8] = [0.4, 1.0, 2.0, 3.5, 5.0, 7.0, 9.0, 12.0];
 
@@ -32,17 +40,17 @@ const DIRECTIONS: u32 = 16;
 
 /// A place for a label of each size beside its point, within `bounds`; `None` where there is no room. Every point has a mark that reaches
 /// `reach` pixels. Points amid many others choose first.
-pub(super) fn place(points: &[((i32, i32), (i32, i32))], reach: i32, bounds: Rect) -> Vec<Option<Rect>> {
-    let marks: Vec<Rect> = points.iter().map(|(point, _)| Rect::about(*point, reach)).collect();
+pub(super) fn place(points: &[Labelled], reach: i32, bounds: Rect) -> Vec<Option<Rect>> {
+    let marks: Vec<Rect> = points.iter().map(|it| Rect::about(it.point, reach)).collect();
     let near = |&place: &usize| {
-        let around = Rect::about(points[place].0, 8 * reach);
+        let around = Rect::about(points[place].point, 8 * reach);
         std::cmp::Reverse(marks.iter().filter(|mark| mark.overlaps(&around)).count())
     };
     let mut order: Vec<usize> = (0..points.len()).collect();
     order.sort_by_key(near);
     let mut placed: Vec<Option<Rect>> = vec![None; points.len()];
     for place in order {
-        let ((x, y), (width, height)) = points[place];
+        let Labelled { point: (x, y), size: (width, height) } = points[place];
         if width == 0 {
             continue;
         }
@@ -79,9 +87,10 @@ mod tests {
     fn labels_find_room_apart_from_each_other_and_from_marks() {
         let bounds = Rect { left: 0, top: 0, right: 700, bottom: 500 };
         // A crowd of points, some in one place, some at the edge.
-        let points: Vec<((i32, i32), (i32, i32))> = (0..60)
-            .map(|i| (((i * 37) % 300 + 400, (i * 53) % 250), (20 + i % 15, 14)))
-            .chain([((0, 500), (30, 14)), ((300, 300), (0, 0))])
+        let labelled = |point, size| Labelled { point, size };
+        let points: Vec<Labelled> = (0..60)
+            .map(|i| labelled(((i * 37) % 300 + 400, (i * 53) % 250), (20 + i % 15, 14)))
+            .chain([labelled((0, 500), (30, 14)), labelled((300, 300), (0, 0))])
             .collect();
         let placed = place(&points, 7, bounds);
         let found: Vec<&Rect> = placed.iter().flatten().collect();
@@ -89,10 +98,10 @@ mod tests {
         for (i, label) in found.iter().enumerate() {
             assert!(bounds.holds(label));
             assert!(!found[..i].iter().any(|other| other.overlaps(label)));
-            assert!(!points.iter().any(|(point, _)| Rect::about(*point, 7).overlaps(label)));
+            assert!(!points.iter().any(|it| Rect::about(it.point, 7).overlaps(label)));
         }
         // Alone a label lies to the upper right.
-        let alone = place(&[((100, 100), (20, 14))], 7, bounds)[0].unwrap();
+        let alone = place(&[labelled((100, 100), (20, 14))], 7, bounds)[0].unwrap();
         assert!(alone.left > 100 && alone.bottom < 100, "{alone:?}");
     }
 }

@@ -35,18 +35,25 @@ enum Sign {
     None,
 }
 
-/// All entries of a plot: its series, the front, marks, and the meaning of numbers at points.
+/// All entries of a plot: its series, the front if it shows one, marks, and the meaning of numbers at points.
 pub(super) struct Legend(Vec<Entry>);
 
 impl Legend {
-    pub(super) fn new(series: &[Series]) -> Self {
+    pub(super) fn new(series: &[Series], has_front: bool) -> Self {
         // The lighter ones are told of together.
         let is_listed = |own: &&Series| own.name == own.kind || series.iter().all(|other| other.name != own.kind);
         let mut entries: Vec<Entry> = Vec::new();
+        let mut names: Vec<&str> = Vec::new();
         for series in series.iter().filter(is_listed) {
+            if names.contains(&series.name.as_str()) {
+                continue;
+            }
+            names.push(&series.name);
             entries.push(Entry { sign: Sign::Series(series.look), lines: wrapped(&series.name) });
         }
-        entries.push(Entry { sign: Sign::Front, lines: vec!["Pareto front".into()] });
+        if has_front {
+            entries.push(Entry { sign: Sign::Front, lines: vec!["Pareto front".into()] });
+        }
         if let Some(other) = series.iter().find(|series| !is_listed(series)) {
             let device = other.name.trim_start_matches(&other.kind);
             entries.push(Entry { sign: Sign::None, lines: vec![format!("lighter: the same{device}")] });
@@ -63,7 +70,7 @@ impl Legend {
             }
         }
         if !numbers.is_empty() {
-            entries.push(Entry { sign: Sign::None, lines: vec!["numbers at the points:".into()] });
+            entries.push(Entry { sign: Sign::None, lines: vec!["numbers:".into()] });
             entries.extend(numbers.iter().map(|line| Entry { sign: Sign::None, lines: wrapped(line) }));
         }
         Self(entries)

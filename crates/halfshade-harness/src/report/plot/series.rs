@@ -9,6 +9,8 @@ use crate::results::{Results, Run};
 /// One measured run.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Point {
+    pub(super) frame: usize,
+    /// Not a number where it wasn't timed, which only curves over frames show.
     pub(super) frame_secs: f64,
     pub(super) frame_secs_mad: f64,
     pub(super) error: f64,
@@ -40,7 +42,8 @@ pub(super) struct Kinds<'a> {
 
 impl<'a> Kinds<'a> {
     pub(super) fn new(results: &'a Results) -> Self {
-        let runs: Vec<&Run> = results.runs.iter().filter(|run| is_shown(run)).collect();
+        let is_scored = |run: &&Run| run.reference() == "mesh" && run.strategy != "reference";
+        let runs: Vec<&Run> = results.runs.iter().filter(is_scored).collect();
         let mut all = Self { results, runs, kinds: Vec::new() };
         for run in all.runs.clone() {
             let kind = all.kind(run);
@@ -87,6 +90,35 @@ impl<'a> Kinds<'a> {
         runs.into_iter().filter_map(|(name, runs)| self.one(name, &runs)).collect()
     }
 
+    /// Every variant of one scene over its frames, as a series of its own whose points are in the order of frames.
+    pub(super) fn curves(&self, frames: &[&Group]) -> Vec<Series> {
+        let runs = || frames.iter().flat_map(|group| group.runs(self.results)).filter(|run| run.reference() == "mesh");
+        let mut labels: Vec<&str> = Vec::new();
+        let mut curves: Vec<Series> = Vec::new();
+        for first in runs().filter(|run| run.strategy != "reference") {
+            if labels.contains(&first.label.as_str()) {
+                continue;
+            }
+            labels.push(&first.label);
+            let kind = self.kind(first);
+            let alike: Vec<&Run> =
+                runs().filter(|run| run.strategy == first.strategy && self.kind(run) == kind).collect();
+            let differs = |key: &str| alike.iter().any(|run| run.params.get(key) != first.params.get(key));
+            let numbers = first.params.iter().filter(|(key, value)| value.is_number() && differs(key));
+            let numbers: Vec<&str> = numbers.map(|(key, _)| key.as_str()).collect();
+            let own = alike.iter().filter(|run| run.label == first.label);
+            let mut points: Vec<Point> = own.filter_map(|run| point(run, &numbers)).collect();
+            points.sort_by_key(|point| point.frame);
+            if points.is_empty() {
+                continue;
+            }
+            let name = if first.device.is_cpu() { kind.clone() } else { format!("{kind} on {}", first.device) };
+            let look = self.look(first, &kind);
+            curves.push(Series { name, kind, numbers: numbers.join(", "), look, points });
+        }
+        curves
+    }
+
     /// `None` if it has no point with a place on logarithmic axes.
     fn one(&self, name: String, runs: &[&Run]) -> Option<Series> {
         let first = *runs.first()?;
@@ -98,7 +130,8 @@ impl<'a> Kinds<'a> {
             .filter(|(key, value)| value.is_number() && differs(key))
             .map(|(key, _)| key.as_str())
             .collect();
-        let mut points: Vec<Point> = runs.iter().filter_map(|run| point(run, &numbers)).collect();
+        let points = runs.iter().filter_map(|run| point(run, &numbers));
+        let mut points: Vec<Point> = points.filter(|point| point.frame_secs > 0.0).collect();
         points.sort_by(|a, b| a.frame_secs.total_cmp(&b.frame_secs));
         let look = self.look(first, &kind);
         (!points.is_empty()).then(|| Series { name, kind, numbers: numbers.join(", "), look, points })
@@ -112,20 +145,22 @@ fn is_shown(run: &Run) -> bool {
 
 /// A run as a point; `None` where it has no place on logarithmic axes.
 fn point(run: &Run, numbers: &[&str]) -> Option<Point> {
-    let (error, truth, time) = (run.error.as_ref()?, run.truth.as_ref()?, run.time.as_ref()?);
+    let (error, truth) = (run.error.as_ref()?, run.truth.as_ref()?);
     let (m, scale) = (&error.metrics, truth.unshadowed_mean);
     (scale > 0.0).then_some(())?;
     let value = if m.resolved { m.rmse } else { m.rmse.max(truth.rms_standard_error) } / scale;
-    let mads = [time.prepare_secs, time.shade_secs].into_iter().flatten().map(|spread| spread.mad);
+    let spreads = run.time.as_ref().map_or([None; 2], |time| [time.prepare_secs, time.shade_secs]);
+    let mads = spreads.into_iter().flatten().map(|spread| spread.mad);
     let point = Point {
-        frame_secs: run.frame_secs()?,
+        frame: run.frame,
+        frame_secs: run.frame_secs().unwrap_or(f64::NAN),
         frame_secs_mad: mads.sum(),
         error: value,
         error_noise: m.rmse_noise / scale,
         resolved: m.resolved,
         numbers: numbers.iter().map(|key| run.params[*key].to_string()).collect::<Vec<_>>().join(", "),
     };
-    (point.frame_secs > 0.0 && point.error > 0.0).then_some(point)
+    (point.error > 0.0).then_some(point)
 }
 
 /// Parameters that a label tells; all others are the default's or the preset's.
@@ -165,6 +200,7 @@ mod tests {
     #[test]
     fn the_front_holds_what_nothing_beats() {
         let point = |frame_secs, error| Point {
+            frame: 0,
             frame_secs,
             frame_secs_mad: 0.0,
             error,
@@ -186,6 +222,26 @@ mod tests {
         let unresolved = Point { resolved: false, ..point(2.0, 0.3) };
         let slower = Point { frame_secs: 5.0, ..unresolved.clone() };
         assert_eq!(front(vec![point(1.0, 0.5), unresolved, point(3.0, 0.2), slower]), [(1.0, 0.5), (2.0, 0.3)]);
+    }
+
+    /// Over frames each variant is a curve, in the looks that its series has elsewhere.
+    #[test]
+    fn variants_are_curves_over_frames() {
+        let mut results = example();
+        for frame in [5, 3] {
+            let later = example().runs.into_iter().map(|run| Run { frame, time: None, ..run });
+            results.runs.extend(later);
+        }
+        let groups = Group::all(&results);
+        let kinds = Kinds::new(&results);
+        let curves = kinds.curves(&groups.iter().collect::<Vec<_>>());
+        let shown: Vec<(&str, Vec<usize>)> = curves
+            .iter()
+            .map(|curve| (curve.name.as_str(), curve.points.iter().map(|point| point.frame).collect()))
+            .collect();
+        assert_eq!(shown, [("fast", vec![0, 3, 5]), ("exact", vec![0, 3, 5])]);
+        assert!(curves[0].points[0].frame_secs > 0.0 && curves[0].points[1].frame_secs.is_nan());
+        assert_eq!(curves[1].look, kinds.series(&groups[0])[1].look);
     }
 
     #[test]
