@@ -103,8 +103,8 @@ mod tests {
         let comparison = Comparison {
             scenes: vec!["vases".into(), "a b/bunny \"x\".obj".into()],
             environment: None,
-            strategies: vec!["unshadowed".into(), "sh-exp:as-published,bands=6".into()],
-            baseline: Some("unshadowed".into()),
+            strategies: vec!["dim".into(), "dim:faint,factor=0.5".into()],
+            baseline: Some("dim".into()),
             frame: 7,
             still: false,
             receivers: ReceiverKind::Pixels,
@@ -120,8 +120,8 @@ mod tests {
         assert_eq!(experiment.scenes[1].name.get_ref(), "a b/bunny \"x\".obj");
         let second = experiment.strategies[1].get_ref();
         let value = |key: &str| second[key].get_ref().as_str();
-        assert_eq!([value("name"), value("preset"), value("bands")], [Some("sh-exp"), Some("as-published"), Some("6")]);
-        assert_eq!(experiment.baseline.as_ref().map(|spec| spec.get_ref().as_str()), Some("unshadowed"));
+        assert_eq!([value("name"), value("preset"), value("factor")], [Some("dim"), Some("faint"), Some("0.5")]);
+        assert_eq!(experiment.baseline.as_ref().map(|spec| spec.get_ref().as_str()), Some("dim"));
         // A mistake is told without a file and a line that nobody wrote.
         let error = experiment.error_at(0, "it is wrong").to_string();
         assert_eq!(error, "it is wrong");
