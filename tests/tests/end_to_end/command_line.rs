@@ -166,7 +166,10 @@ fn an_experiment_runs_checks_reports_and_resumes() {
         "{table}"
     );
     let out = here.path().join("out/small");
-    assert_eq!(names(&out), [".halfshade", "pictures", "plots", "report.md", "results.csv", "results.json"]);
+    assert_eq!(
+        names(&out),
+        [".halfshade", "pictures", "plots", "report.html", "report.md", "results.csv", "results.json"]
+    );
     assert_eq!(names(&out.join(".halfshade")), ["lock", "written"]);
     let text = fs::read_to_string(out.join("results.json")).unwrap();
     let json: Value = serde_json::from_str(&text).unwrap();

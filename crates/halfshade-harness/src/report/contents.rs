@@ -5,9 +5,10 @@ use super::{
     by_class::error_by_class,
     details::details,
     differences::differences,
+    error_cell::relative_rmse,
     error_split::error_split,
     groups::Group,
-    page::{Block, Page},
+    page::{Block, Page, Picture},
     plot::Plot,
     scene_table::scene_table,
     verdict::verdicts,
@@ -43,13 +44,22 @@ pub fn page(results: &Results) -> Page {
         blocks.extend(plot.map(Block::Plot));
         let further = [error_by_class, error_split, differences, details];
         blocks.extend(further.iter().filter_map(|table| table(results, group)).map(Block::Table));
-        let pictures = results.pictures.iter().filter(|files| files.scene == group.scene && files.frame == group.frame);
-        blocks.push(Block::Pictures(pictures.cloned().collect()));
+        blocks.push(Block::Pictures(pictures(results, group)));
     }
     for (name, plot) in Plot::over_frames(results, &groups) {
         blocks.extend([Block::Heading(format!("{name}: over frames")), Block::Plot(plot)]);
     }
     Page { provenance, blocks }
+}
+
+/// Pictures of a group, each with its error. They are drawn of the first kind of receivers of the first frame.
+fn pictures(results: &Results, group: &Group) -> Vec<Picture> {
+    let own = results.pictures.iter().filter(|files| files.scene == group.scene && files.frame == group.frame);
+    let error = |label: &str| {
+        let run = group.strategies(results).into_iter().find(|run| run.label == label)?;
+        Some(format!("relative RMSE {}", relative_rmse(&run.error.as_ref()?.metrics).text))
+    };
+    own.map(|files| Picture { files: files.clone(), error: error(&files.label) }).collect()
 }
 
 /// The page that a run ends with: a table per frame, and the verdicts.

@@ -1,6 +1,13 @@
 //! Formats of pages and tables.
 
-use super::{csv, html, latex, markdown, page::Page, table::Table, text};
+use super::{
+    csv,
+    html::{self, Read},
+    latex, markdown,
+    page::Page,
+    table::Table,
+    text,
+};
 
 /// Formats of pages and tables.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,13 +38,13 @@ impl Table {
 }
 
 impl Page {
-    /// The page in `format`.
-    pub fn write(&self, format: Format) -> String {
+    /// The page in `format`. HTML has the pictures within it that `read` finds.
+    pub fn write(&self, format: Format, read: &Read<'_>) -> String {
         match format {
             Format::Markdown => markdown::page(self),
             Format::Csv => csv::page(self),
             Format::Latex => latex::page(self),
-            Format::Html => html::page(self),
+            Format::Html => html::page(self, read),
             Format::Text => text::page(self),
         }
     }
@@ -102,8 +109,8 @@ pub(crate) mod tests {
         assert_eq!(latex.matches("\\textbf{not resolved}").count(), 2, "{latex}");
         assert!(latex.contains("\\underline{0.1}"), "{latex}");
         let html = table.write(Format::Html, "");
-        assert_eq!(html.matches("<b>not resolved</b>").count(), 2, "{html}");
-        assert!(html.contains("<u>0.1</u>"), "{html}");
+        assert_eq!(html.matches("best\" data-value=\"0e0\">not resolved<").count(), 2, "{html}");
+        assert!(html.contains("second\" data-value=\"1e-1\">0.1<"), "{html}");
         // One alone among text has nothing to win against.
         let alone = Table { rows: table.rows.split_off(3), ..table };
         assert!(!alone.write(Format::Markdown, "").contains("**"));
@@ -130,7 +137,7 @@ pub(crate) mod tests {
         assert_eq!(latex.matches(&escaped).count(), 4, "{latex}");
         let html = table.write(Format::Html, "");
         let escaped = "&lt;i&gt;f&lt;/i&gt; [g](h) \\i &amp;amp; {j}";
-        assert_eq!(html.matches(escaped).count(), 4, "{html}");
+        assert_eq!(html.matches(escaped).count(), 5, "{html}");
         let csv = table.write(Format::Csv, "");
         let record = ::csv::Reader::from_reader(csv.as_bytes()).records().next().unwrap().unwrap();
         assert_eq!(&record[0], HOSTILE);
@@ -140,7 +147,7 @@ pub(crate) mod tests {
     fn html_escapes_and_csv_quotes() {
         let html = small().write(Format::Html, "");
         assert!(
-            html.contains("<td>c&lt;3</td>") && html.contains("<b>0.1</b>") && html.contains("<u>0.5</u>"),
+            html.contains("<td>c&lt;3</td>") && html.contains("<td class=\"number best\" data-value=\"1e-1\">0.1</td>"),
             "{html}"
         );
         let mut table = small();

@@ -1,10 +1,10 @@
 //! GitHub's Markdown; the second place is underlined with a tag, which Markdown lets through.
 
 use super::{
-    page::{Block, Page},
+    page::{Block, Page, Picture},
     table::{Cell, Table},
 };
-use crate::{picture_colors::FULL_SCALE, results::PictureFiles};
+use crate::picture_colors::FULL_SCALE;
 
 /// Blocks with an empty line between them.
 pub(super) fn page(page: &Page) -> String {
@@ -19,19 +19,20 @@ fn block(block: &Block) -> String {
         Block::Note(text) => format!("{}\n", escape(text)),
         Block::Table(content) => table(content),
         Block::Plot(plot) => format!("![{}]({}.svg)\n", escape(&plot.title), plot.file),
-        Block::Pictures(files) => pictures(files),
+        Block::Pictures(content) => pictures(content),
     }
 }
 
-fn pictures(files: &[PictureFiles]) -> String {
-    if files.is_empty() {
+fn pictures(pictures: &[Picture]) -> String {
+    if pictures.is_empty() {
         return String::new();
     }
     let mut text =
         String::from("| strategy | picture | error (blue: too dark, vermilion: too bright) |\n| --- | --- | --- |\n");
-    for files in files {
+    for Picture { files, error: told } in pictures {
         let error = files.error_png.as_ref().map(|path| format!("![error]({path})")).unwrap_or_default();
-        text += &format!("| {0} | ![{0}]({1}) | {error} |\n", escape(&files.label), files.png);
+        let told = told.as_ref().map(|told| format!("<br>{}", escape(told))).unwrap_or_default();
+        text += &format!("| {0}{told} | ![{0}]({1}) | {error} |\n", escape(&files.label), files.png);
     }
     text + &format!(
         "\nFull colour is an error of {FULL_SCALE} of the mean unshadowed radiance. The EXR files beside the pictures hold the \

@@ -26,7 +26,16 @@ pub enum Block {
     /// A plot, as a file beside the page or within it.
     Plot(Plot),
     /// Pictures side by side, each with its error.
-    Pictures(Vec<PictureFiles>),
+    Pictures(Vec<Picture>),
+}
+
+/// A picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Picture {
+    /// Its files.
+    pub files: PictureFiles,
+    /// Its error, in words; nothing of the truth.
+    pub error: Option<String>,
 }
 
 impl Page {

@@ -12,6 +12,7 @@ mod frames;
 mod labels;
 mod legend;
 mod series;
+mod spots;
 #[cfg(test)]
 mod stored;
 mod style;
@@ -23,6 +24,7 @@ use embedded::with_font;
 use legend::Legend;
 use plotters::{coord::Shift, prelude::*};
 use series::{Kinds, Series};
+use spots::{Spot, with_spots};
 use style::{SIZE, register_font};
 
 /// Frames of a scene from which on errors and times are drawn over them.
@@ -93,21 +95,27 @@ impl Plot {
         (SIZE.0 * scale, legend.height() * scale)
     }
 
-    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, scale: u32) -> Result<(), String> {
+    /// Draws it; returns its points, for who can point at them.
+    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, scale: u32) -> Result<Vec<Spot>, String> {
         match self.kind {
             Kind::ErrorAgainstTime { threads } => chart::draw(area, scale, &self.title, threads, &self.series),
             Kind::OverFrames => frames::draw(area, scale, &self.title, &self.series),
         }
     }
 
-    /// The plot as SVG, its font within it.
+    /// The plot as SVG, its font within it; points tell their values to who points at them.
     pub fn svg(&self) -> Result<String, String> {
+        with_font(&self.svg_without_font()?, &self.title)
+    }
+
+    /// The same without the font, for a page that has several.
+    pub fn svg_without_font(&self) -> Result<String, String> {
         register_font();
         let mut svg = String::new();
         let area = SVGBackend::with_string(&mut svg, self.size(1)).into_drawing_area();
-        self.draw(&area, 1)?;
+        let spots = self.draw(&area, 1)?;
         drop(area);
-        with_font(&svg, &self.title)
+        Ok(with_spots(&svg, &spots))
     }
 
     /// The plot as a PNG of twice the size, so that it stays sharp on dense screens.

@@ -3,6 +3,7 @@
 use super::{
     contents::{data, page},
     format::Format,
+    html::Read,
 };
 use crate::{HarnessError, Results};
 use std::path::Path;
@@ -10,20 +11,21 @@ use std::path::Path;
 /// Writes bytes to a path below the results.
 pub type Write<'a> = dyn FnMut(&Path, &[u8]) -> Result<(), HarnessError> + 'a;
 
-/// The page in `format`: for CSV every number of every run, for LaTeX the tables, else tables, plots and pictures.
-pub fn report(results: &Results, format: Format) -> String {
+/// The page in `format`, for HTML with the pictures that `read` finds: for CSV every number of every run, for LaTeX the tables, else tables, plots and pictures.
+pub fn report(results: &Results, format: Format, read: &Read<'_>) -> String {
     match format {
-        Format::Csv => data(results).write(format),
-        Format::Markdown | Format::Latex | Format::Html | Format::Text => page(results).write(format),
+        Format::Csv => data(results).write(format, read),
+        Format::Markdown | Format::Latex | Format::Html | Format::Text => page(results).write(format, read),
     }
 }
 
-/// Writes `results.json`, `results.csv`, the plots and `report.md`.
-pub fn write_all(results: &Results, write: &mut Write<'_>) -> Result<(), HarnessError> {
+/// Writes `results.json`, `results.csv`, the plots, `report.md`, and `report.html` with the pictures that `read` finds.
+pub fn write_all(results: &Results, write: &mut Write<'_>, read: &Read<'_>) -> Result<(), HarnessError> {
     write(Path::new("results.json"), results.to_json()?.as_bytes())?;
-    write(Path::new("results.csv"), report(results, Format::Csv).as_bytes())?;
+    write(Path::new("results.csv"), report(results, Format::Csv, read).as_bytes())?;
     write_plots(results, write)?;
-    write(Path::new("report.md"), report(results, Format::Markdown).as_bytes())
+    write(Path::new("report.html"), report(results, Format::Html, read).as_bytes())?;
+    write(Path::new("report.md"), report(results, Format::Markdown, read).as_bytes())
 }
 
 /// Draws the plots of `results`, into `plots`.
@@ -59,14 +61,14 @@ mod tests {
             error_png: None,
             exposure: 1.0,
         }];
-        let markdown = report(&results, Format::Markdown);
+        let markdown = report(&results, Format::Markdown, &|_| None);
         let shown = super::super::markdown::escape(name);
         assert!(markdown.contains(&format!("\n## {shown}, frame 0, vertices\n")), "{markdown}");
         assert!(markdown.contains(&format!("| {shown} | ![{shown}](a.png) |")), "{markdown}");
-        let html = report(&results, Format::Html);
+        let html = report(&results, Format::Html, &|_| None);
         assert!(!html.contains("<i>") && html.contains("&lt;i&gt;f"), "{html}");
-        assert!(!report(&results, Format::Latex).contains("<i>"));
-        let csv = report(&results, Format::Csv);
+        assert!(!report(&results, Format::Latex, &|_| None).contains("<i>"));
+        let csv = report(&results, Format::Csv, &|_| None);
         let record = ::csv::Reader::from_reader(csv.as_bytes()).records().next().unwrap().unwrap();
         assert_eq!(&record[0], name);
     }
@@ -78,17 +80,17 @@ mod tests {
             std::fs::create_dir_all(folder.path().join(file).parent().unwrap()).unwrap();
             crate::output::write_atomically(&folder.path().join(file), bytes)
         };
-        write_all(&example(), &mut write).unwrap();
-        for name in ["results.json", "results.csv", "report.md"] {
+        write_all(&example(), &mut write, &|_| None).unwrap();
+        for name in ["results.json", "results.csv", "report.md", "report.html"] {
             assert!(folder.path().join(name).exists(), "{name}");
         }
         let stored = Results::load(folder.path()).unwrap();
-        let page = report(&stored, Format::Markdown);
+        let page = report(&stored, Format::Markdown, &|_| None);
         assert_eq!(page, std::fs::read_to_string(folder.path().join("report.md")).unwrap());
         let plot = page.split("](").nth(1).unwrap().split(')').next().unwrap();
         assert!(folder.path().join(plot).exists(), "{plot}");
-        assert!(report(&stored, Format::Latex).starts_with("% halfshade 0.1.0: experiment example"));
-        assert!(report(&stored, Format::Html).ends_with("</html>\n"));
-        assert_eq!(report(&stored, Format::Csv).lines().count(), 4);
+        assert!(report(&stored, Format::Latex, &|_| None).starts_with("% halfshade 0.1.0: experiment example"));
+        assert!(report(&stored, Format::Html, &|_| None).ends_with("</html>\n"));
+        assert_eq!(report(&stored, Format::Csv, &|_| None).lines().count(), 4);
     }
 }

@@ -78,7 +78,7 @@ impl Plan {
 
     /// Every file that a run may write, relative to its folder.
     pub fn outputs(&self) -> Vec<PathBuf> {
-        let mut files = ["results.json", "results.csv", "report.md"].map(PathBuf::from).to_vec();
+        let mut files = ["results.json", "results.csv", "report.md", "report.html"].map(PathBuf::from).to_vec();
         let mut add = |base: String, endings: &[&str]| {
             files.extend(endings.iter().map(|ending| PathBuf::from(format!("{base}{ending}"))));
         };

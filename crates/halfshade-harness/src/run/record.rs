@@ -131,7 +131,8 @@ impl Record {
     /// Writes the results and their company; the journal has had its day.
     pub(super) fn finish(self, results: &Results) -> Result<(), HarnessError> {
         let Some((mut folder, journal)) = self.place else { return Ok(()) };
-        report::write_all(results, &mut |file, bytes| folder.write(file, bytes))?;
+        let path = folder.path().to_owned();
+        report::write_all(results, &mut |file, bytes| folder.write(file, bytes), &report::files_in(&path))?;
         folder.remove_truths();
         journal.finish()
     }

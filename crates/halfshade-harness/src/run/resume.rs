@@ -81,13 +81,15 @@ fn restore(folder: &mut OutFolder, results: &Results) -> Result<Vec<PathBuf>, Ha
     let mut shown = results.clone();
     shown.pictures.retain(|files| folder.holds(Path::new(&files.png)));
     let mut written = Vec::new();
-    report::write_all(&shown, &mut |file, bytes| {
+    let path = folder.path().to_owned();
+    let mut write = |file: &Path, bytes: &[u8]| {
         if !folder.holds(file) {
             folder.write(file, bytes)?;
             written.push(file.to_owned());
         }
         Ok(())
-    })?;
+    };
+    report::write_all(&shown, &mut write, &report::files_in(&path))?;
     Ok(written)
 }
 

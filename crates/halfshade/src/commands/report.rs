@@ -43,7 +43,8 @@ pub(super) fn report(context: &Context, arguments: &ReportArguments) -> Result<E
             report::write_plots(&results, &mut |file, bytes| write_plot(context, &arguments.folder.join(file), bytes))?;
         }
     }
-    let text = report::report(&results, format);
+    let nowhere = Path::new("");
+    let text = report::report(&results, format, &report::files_in(folder.unwrap_or(nowhere)));
     match &arguments.output {
         Some(output) => write_atomically(output, text.as_bytes())?,
         None => terminal::data(&text)?,

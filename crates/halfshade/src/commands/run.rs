@@ -58,8 +58,8 @@ pub(super) fn run_experiment(
     on_interrupt(resume_command(&context.arguments))?;
     let results =
         context.with_tools(graphics.as_ref(), |tools| halfshade_harness::run::run(experiment, tools, &options))?;
-    terminal::data(&format!("{}\n", summary(&results).write(Format::Text)))?;
-    context.bars.note(&format!("tables, plots and pictures: {}", out.join("report.md").display()));
+    terminal::data(&format!("{}\n", summary(&results).write(Format::Text, &|_| None)))?;
+    context.bars.note(&format!("tables, plots and pictures: {}", out.join("report.html").display()));
     Ok(ExitCode::SUCCESS)
 }
 

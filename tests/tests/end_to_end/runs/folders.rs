@@ -51,7 +51,7 @@ fn what_was_in_the_folder_before_is_there_afterwards() {
     stdout(halfshade(here.path()).args(["run", "small.toml", "--resume"]));
     let again = halfshade(here.path()).args(["run", "small.toml"]).assert().success().get_output().clone();
     let notes = String::from_utf8(again.stderr).unwrap();
-    assert!(notes.contains("replaces results.json, results.csv, report.md, "), "{notes}");
+    assert!(notes.contains("replaces results.json, results.csv, report.md, report.html, "), "{notes}");
     assert_all();
     write(here.path(), "scene.toml", SCENE.replace("eye = [0, 2, 5]", "eye = [0, 2, 5000000]"));
     drop(halfshade(here.path()).args(["run", "small.toml"]).output().unwrap());

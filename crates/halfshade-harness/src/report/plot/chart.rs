@@ -4,6 +4,7 @@ use super::{
     labels::{Labelled, Rect, place},
     legend::Legend,
     series::{Point, Series, pareto_front},
+    spots::Spot,
     style::{FAMILY, LEGEND_WIDTH, Look, MARK_RADIUS, SIZE, mark},
     ticks::{Tick, ticks},
 };
@@ -39,14 +40,14 @@ impl Axes {
     }
 }
 
-/// Draws the whole plot, `scale` times as large as an SVG.
+/// Draws the whole plot, `scale` times as large as an SVG; returns its points.
 pub(super) fn draw<B: DrawingBackend>(
     area: &DrawingArea<B, Shift>,
     scale: u32,
     title: &str,
     threads: usize,
     series: &[Series],
-) -> Result<(), String> {
+) -> Result<Vec<Spot>, String> {
     let px = |n: u32| n * scale;
     area.fill(&WHITE).map_err(text)?;
     let (left, right) = area.split_horizontally(px(SIZE.0 - LEGEND_WIDTH));
@@ -71,10 +72,11 @@ pub(super) fn draw<B: DrawingBackend>(
             draw_point(&mut chart, series, point, scale).map_err(text)?;
         }
     }
-    draw_numbers(&left, &chart, series, scale)?;
+    let spots = draw_numbers(&left, &chart, series, scale)?;
     draw_labels(&left, &chart, &axes, scale, threads).map_err(text)?;
     Legend::new(series, true).draw(&right, scale)?;
-    area.present().map_err(text)
+    area.present().map_err(text)?;
+    Ok(spots)
 }
 
 pub(super) fn text<E: std::error::Error + Send + Sync>(error: DrawingAreaErrorKind<E>) -> String {
@@ -127,16 +129,21 @@ fn draw_point<B: DrawingBackend>(
     Ok(())
 }
 
-/// Draws the numbers of all points beside them.
+/// Draws the numbers of all points beside them; returns the points.
 fn draw_numbers<B: DrawingBackend>(
     area: &DrawingArea<B, Shift>,
     chart: &Chart<'_, B>,
     series: &[Series],
     scale: u32,
-) -> Result<(), String> {
-    let points = series.iter().flat_map(|series| &series.points);
-    let places = points.map(|point| (chart.backend_coord(&(point.frame_secs, point.error)), point.numbers.as_str()));
-    draw_beside(area, chart.plotting_area().get_pixel_range(), &places.collect::<Vec<_>>(), scale)
+) -> Result<Vec<Spot>, String> {
+    let points = series.iter().flat_map(|series| series.points.iter().map(move |point| (series, point)));
+    let placed = points.map(|(series, point)| {
+        let pixel = chart.backend_coord(&(point.frame_secs, point.error));
+        (Spot::new(pixel, series, point), (pixel, point.numbers.as_str()))
+    });
+    let (spots, texts): (Vec<Spot>, Vec<_>) = placed.unzip();
+    draw_beside(area, chart.plotting_area().get_pixel_range(), &texts, scale)?;
+    Ok(spots)
 }
 
 /// Draws each text beside its place, in pixels, within a plot's columns and rows, with a thin line to those that lie far away.

@@ -4,6 +4,7 @@ use super::{
     chart::{draw_beside, draw_curve, log_range, text, title_size},
     legend::Legend,
     series::{Point, Series},
+    spots::Spot,
     style::{FAMILY, LEGEND_WIDTH, SIZE, mark},
     ticks::{round_step, ticks},
 };
@@ -33,13 +34,13 @@ const FIGURES: [Figure; 2] = [
     },
 ];
 
-/// Draws the error, and below it the time if any frame was timed, `scale` times as large as an SVG.
+/// Draws the error, and below it the time if any frame was timed, `scale` times as large as an SVG; returns all points.
 pub(super) fn draw<B: DrawingBackend>(
     area: &DrawingArea<B, Shift>,
     scale: u32,
     title: &str,
     curves: &[Series],
-) -> Result<(), String> {
+) -> Result<Vec<Spot>, String> {
     let px = |n: u32| n * scale;
     area.fill(&WHITE).map_err(text)?;
     let (left, right) = area.split_horizontally(px(SIZE.0 - LEGEND_WIDTH));
@@ -47,11 +48,13 @@ pub(super) fn draw<B: DrawingBackend>(
     let left = left.titled(title, font).map_err(text)?;
     let timed = curves.iter().flat_map(|curve| &curve.points).any(|point| point.frame_secs > 0.0);
     let figures = if timed { &FIGURES[..] } else { &FIGURES[..1] };
+    let mut spots = Vec::new();
     for (panel, figure) in left.split_evenly((figures.len(), 1)).iter().zip(figures) {
-        draw_panel([panel, area], scale, figure, curves)?;
+        spots.extend(draw_panel([panel, area], scale, figure, curves)?);
     }
     Legend::new(curves, false).draw(&right, scale)?;
-    area.present().map_err(text)
+    area.present().map_err(text)?;
+    Ok(spots)
 }
 
 /// Draws a figure on the first of two areas; the second is the whole, whose pixels texts are placed by.
@@ -60,7 +63,7 @@ fn draw_panel<B: DrawingBackend>(
     scale: u32,
     figure: &Figure,
     curves: &[Series],
-) -> Result<(), String> {
+) -> Result<Vec<Spot>, String> {
     let px = |n: u32| n * scale;
     let points = || curves.iter().flat_map(|curve| &curve.points);
     let values = points().map(figure.value).filter(|(value, _)| *value > 0.0);
@@ -102,18 +105,18 @@ fn draw_panel<B: DrawingBackend>(
         }
     }
     // Numbers stand at the last point; all others only keep their places free.
-    let texts: Vec<((i32, i32), &str)> = (curves.iter())
-        .flat_map(|curve| {
-            let last = curve.points.len() - 1;
-            curve
-                .points
-                .iter()
-                .enumerate()
-                .map(move |(i, point)| (point, if i == last { point.numbers.as_str() } else { "" }))
-        })
-        .filter(|(point, _)| (figure.value)(point).0 > 0.0)
-        .map(|(point, numbers)| (chart.backend_coord(&(point.frame as f64, (figure.value)(point).0)), numbers))
-        .collect();
+    let mut spots = Vec::new();
+    let mut texts: Vec<((i32, i32), &str)> = Vec::new();
+    for curve in curves {
+        for (place, point) in curve.points.iter().enumerate() {
+            let (value, _) = (figure.value)(point);
+            if value > 0.0 {
+                let pixel = chart.backend_coord(&(point.frame as f64, value));
+                spots.push(Spot::new(pixel, curve, point));
+                texts.push((pixel, if place + 1 == curve.points.len() { point.numbers.as_str() } else { "" }));
+            }
+        }
+    }
     draw_beside(whole, chart.plotting_area().get_pixel_range(), &texts, scale)?;
     let style = |size: u32, horizontal: HPos, vertical: VPos| {
         (FAMILY, px(size)).into_font().color(&RGBColor(40, 40, 40)).pos(Pos::new(horizontal, vertical))
@@ -132,5 +135,6 @@ fn draw_panel<B: DrawingBackend>(
     let turned = style(14, HPos::Center, VPos::Top).transform(FontTransform::Rotate270);
     let left = x0 - px(84) as i32;
     labels.push(Text::new(figure.title.into(), (left, (y0 + y1) / 2), turned));
-    labels.iter().try_for_each(|label| whole.draw(label)).map_err(text)
+    labels.iter().try_for_each(|label| whole.draw(label)).map_err(text)?;
+    Ok(spots)
 }
