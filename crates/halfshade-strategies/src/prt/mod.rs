@@ -25,6 +25,10 @@
 //! that of the boundary between both), of interpolation between vertices, and of light beyond n bands, which rings: radiance
 //! may fall below 0 beside a sun.
 //!
+//! **Compression** \[Sloan2003\]. Rows may be stored as clusters of principal components (`bake/compress`): light times the
+//! vectors of all clusters is part of `prepare` then, and a vertex is a few weights (`kernel/decode.rs`). The error is that of what
+//! is left out, whatever the light.
+//!
 //! **Where nothing is baked.** A receiver on no triangle is lit as if nothing hid any light. The backs of surfaces have
 //! vectors of their own, except for the insides of solids, which are dark.
 
@@ -38,9 +42,10 @@ mod shade;
 use bake::{arrangement::Arrangement, bake, table::Transfer};
 use halfshade_scene::{Cache, Frame, Progress, Scene};
 use halfshade_strategy::{Baked, Detail, Effect, Effects, Footprint, Info, Params, Prepared, Strategy, StrategyError};
-use prepare::light::FrameLight;
+use kernel::decode::Product;
+use prepare::{light::FrameLight, products};
 use settings::Settings;
-use shade::Shader;
+use shade::{Shader, clusters::ClusterShader};
 
 /// The strategy.
 #[derive(Debug, Clone, Default)]
@@ -54,6 +59,8 @@ pub struct BakedScene {
     transfer: Transfer,
     arrangement: Arrangement,
     light: FrameLight,
+    /// Light times the vectors of clusters, if the transfer is compressed.
+    products: Vec<Product>,
 }
 
 impl Prt {
@@ -78,6 +85,7 @@ impl Prt {
             transfer: bake(scene, &settings, &self.cache, progress)?,
             arrangement,
             light: FrameLight::new(settings.bands, &scene.environment),
+            products: Vec::new(),
         })
     }
 }
@@ -113,27 +121,45 @@ impl BakedScene {
     fn prepare_frame(&mut self, frame: &Frame<'_>) -> Result<(), StrategyError> {
         self.arrangement.check(&frame.world_from_object, &frame.scene.objects, frame.index)?;
         self.light.set(frame, &self.arrangement);
+        if let Some(clusters) = &self.transfer.clusters {
+            products::set(&self.transfer, clusters, &self.light, &mut self.products);
+        }
         Ok(())
     }
 }
 
 impl Baked for BakedScene {
     fn footprint(&self) -> Footprint {
-        Footprint { parts: vec![("transfer vectors", self.transfer.bytes()), ("light", self.light.bytes())] }
+        let mut parts = self.transfer.parts();
+        parts.push(("light", self.light.bytes() + size_of_val(self.products.as_slice())));
+        Footprint { parts }
     }
 
     fn details(&self) -> Vec<Detail> {
-        let rows = (self.transfer.rows().len() / self.transfer.width()) as f64;
+        let rows = self.transfer.row_count() as f64;
         let detail = |name: &str, value: f64| Detail { name: name.into(), values: vec![value] };
-        vec![
+        let mut details = vec![
             detail("vertices, and vertices seen from behind, that have vectors", rows),
             detail("vectors of each", self.transfer.channels as f64),
             detail("bounces of light in them", self.transfer.bounces as f64),
-        ]
+        ];
+        if let Some(clusters) = &self.transfer.clusters {
+            let width = self.transfer.width();
+            details.extend([
+                detail("clusters", clusters.count(width) as f64),
+                detail("principal components of each", clusters.components as f64),
+                detail("bytes of the mean and axes of each", (4 * (clusters.components + 1) * width) as f64),
+            ]);
+        }
+        details
     }
 
     fn prepare(&mut self, frame: &Frame<'_>) -> Result<Box<dyn Prepared + '_>, StrategyError> {
         self.prepare_frame(frame)?;
-        Ok(Box::new(Shader { transfer: &self.transfer, light: &self.light }))
+        let Self { transfer, light, products, .. } = self;
+        Ok(match &transfer.clusters {
+            Some(clusters) => Box::new(ClusterShader { transfer, table: clusters.table(), light, products }),
+            None => Box::new(Shader { transfer, light }),
+        })
     }
 }

@@ -14,6 +14,20 @@ choice! {
     }
 }
 
+choice! {
+    /// How transfer vectors are stored.
+    pub(crate) enum Compression {
+        /// as they are
+        None = "none",
+        /// by principal components of all of them
+        Pca = "pca",
+        /// by clusters of vectors that are taken as equal
+        Vq = "vq",
+        /// by principal components of each of several clusters
+        Cpca = "cpca",
+    }
+}
+
 settings! {
     /// Everything that can be set.
     pub(crate) struct Settings {
@@ -23,5 +37,11 @@ settings! {
         "transfer" => transfer: TransferKind = TransferKind::Interreflected;
         /// rays from each vertex when transfer is baked
         "directions" => directions: usize = 1024, in 16..=65_536;
+        /// how transfer vectors are stored
+        "compression" => compression: Compression = Compression::None;
+        /// clusters of vectors, for `vq` and `cpca`
+        "clusters" => clusters: usize = 256, in 1..=4096;
+        /// principal components of each cluster, for `pca` and `cpca`
+        "components" => components: usize = 8, in 0..=192;
     }
 }

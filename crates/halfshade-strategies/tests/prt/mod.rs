@@ -1,6 +1,7 @@
 //! Precomputed radiance transfer against closed forms and the truth.
 
 mod closed_forms;
+mod compression;
 mod convergence;
 mod ends;
 mod motion;

@@ -14,6 +14,7 @@
 
 pub(crate) mod arrangement;
 mod chunks;
+pub(crate) mod compress;
 pub(crate) mod hemisphere;
 mod passes;
 pub(crate) mod rows;
@@ -22,6 +23,7 @@ pub(crate) mod table;
 
 use super::settings::{Settings, TransferKind};
 use chunks::{Chunks, colour_key, shape_key};
+use compress::Clusters;
 use halfshade_scene::{Cache, Progress, Scene};
 use halfshade_strategy::StrategyError;
 use hemisphere::Hemisphere;
@@ -48,7 +50,8 @@ pub(crate) fn bake(
     progress.start("transfer", (rows.points.len() * (1 + bounces)) as u64);
     let hemisphere = Hemisphere::new(settings.bands, settings.directions);
     let objects = scene.objects.iter().map(|object| object.mesh.clone()).zip(rows.objects.iter().copied()).collect();
-    let mut transfer = Transfer { bands: settings.bands, channels: 1, bounces, objects, values: Vec::new() };
+    let mut transfer =
+        Transfer { bands: settings.bands, channels: 1, bounces, objects, values: Vec::new(), clusters: None };
     if !is_traced {
         let open = |(_, normal): &_| hemisphere.open(*normal).into_iter().map(|value| value as f32);
         transfer.values = rows.points.par_iter().flat_map_iter(open).collect();
@@ -68,6 +71,10 @@ pub(crate) fn bake(
         }
     }
     transfer.values.iter_mut().filter(|value| !value.is_finite()).for_each(|value| *value = 0.0);
+    transfer.clusters = Clusters::of(&transfer.values, transfer.width(), settings, cache, progress)?;
+    if transfer.clusters.is_some() {
+        transfer.values = Vec::new();
+    }
     transfer.values.extend([0.0; PADDING]);
     Ok(transfer)
 }

@@ -1,6 +1,6 @@
 //! The table of transfer vectors.
 
-use super::rows::ObjectRows;
+use super::{compress::Clusters, rows::ObjectRows};
 use halfshade_scene::Mesh;
 use std::sync::Arc;
 
@@ -17,6 +17,8 @@ pub(crate) struct Transfer {
     pub(crate) objects: Vec<(Arc<Mesh>, ObjectRows)>,
     /// Vectors of bands² numbers, and 7 zeros at the end.
     pub(crate) values: Vec<f32>,
+    /// Stored instead of those, which are none then, where they are compressed.
+    pub(crate) clusters: Option<Clusters>,
 }
 
 impl Transfer {
@@ -30,7 +32,21 @@ impl Transfer {
         &self.values[..self.values.len() - PADDING]
     }
 
-    pub(crate) fn bytes(&self) -> usize {
-        size_of_val(self.values.as_slice())
+    /// Number of rows, compressed or not.
+    pub(crate) fn row_count(&self) -> usize {
+        self.clusters.as_ref().map_or(self.rows().len() / self.width(), |clusters| clusters.of_row.len())
+    }
+
+    /// Bytes by part.
+    pub(crate) fn parts(&self) -> Vec<(&'static str, usize)> {
+        let bytes = |values: &[f32]| size_of_val(values);
+        match &self.clusters {
+            None => vec![("transfer vectors", bytes(&self.values))],
+            Some(Clusters { of_row, weights, vectors, .. }) => vec![
+                ("means and axes of clusters", bytes(vectors)),
+                ("weights", bytes(weights)),
+                ("clusters of rows", size_of_val(of_row.as_slice())),
+            ],
+        }
     }
 }

@@ -3,6 +3,10 @@
 //! A receiver on no triangle gets a row of its own when it is placed, of the light that an open sky would send it: kernels know no
 //! spherical harmonics.
 
+mod clusters;
+
+pub use clusters::{ClusterBetween, ClusterUniforms};
+
 use crate::{
     GpuError,
     kernels::PRT,
@@ -11,6 +15,7 @@ use crate::{
     runner::{Bench, Runner, Uploaded},
 };
 use bytemuck::{Pod, Zeroable};
+use clusters::ClusteredOnGpu;
 use glam::DMat3;
 use halfshade_scene::{Cache, Frame, Progress, Receivers, Scene};
 use halfshade_strategies::{
@@ -74,7 +79,10 @@ impl Strategy for PrtOnGpu {
 
     fn bake(&self, scene: &Scene, params: &Params, progress: &dyn Progress) -> Result<Box<dyn Baked>, StrategyError> {
         let baked = self.strategy.bake_scene(scene, params, progress)?;
-        let SceneArrays { bands, channels, .. } = baked.scene_arrays();
+        let SceneArrays { bands, channels, clusters, .. } = baked.scene_arrays();
+        if clusters.is_some() {
+            return Ok(Box::new(ClusteredOnGpu::new(&self.bench, baked)?));
+        }
         let constants = [("PARTS", parts(bands) as f64), ("CHANNELS", channels as f64)];
         let runner = Runner::new(&self.bench, &PRT, None, &constants, size_of::<FrameUniforms>())?;
         Ok(Box::new(BakedOnGpu { baked, runner }))
@@ -100,7 +108,7 @@ impl FrameUniforms {
 impl BakedOnGpu {
     /// Rows of the table and of those receivers that lie on no triangle, and where each receiver lies between them.
     fn rows(&self, frame: &Frame<'_>, receivers: Receivers<'_>) -> (Vec<[f32; 4]>, Vec<Between>) {
-        let SceneArrays { bands, channels, rows } = self.baked.scene_arrays();
+        let SceneArrays { bands, channels, rows, .. } = self.baked.scene_arrays();
         let per_row = channels * parts(bands);
         let mut fours: Vec<[f32; 4]> = rows.chunks_exact(bands * bands).flat_map(in_fours).collect();
         let mut points = Vec::with_capacity(receivers.len());
