@@ -233,6 +233,12 @@ fn analytic(drawn: &Drawn) -> Tolerances {
 
 fn prt(p: &Params, drawn: &Drawn) -> Tolerances {
     let rings = !is_constant(drawn);
+    if p.word("compression") != "none" {
+        const SHARED: &str = "a cluster's vectors stand for each other's";
+        let none = Err(SHARED);
+        let (below, above, brightened, jump) = (none, none, none, none);
+        return Tolerances { below, above, rings: None, scaled: EXACT, turned: EXACT, linear: EXACT, brightened, jump };
+    }
     Tolerances {
         // Sums over rays have weights that are exact for the light's first band.
         below: EXACT,

@@ -79,6 +79,10 @@ impl Strategy for PrtOnGpu {
 
     fn bake(&self, scene: &Scene, params: &Params, progress: &dyn Progress) -> Result<Box<dyn Baked>, StrategyError> {
         let baked = self.strategy.bake_scene(scene, params, progress)?;
+        if baked.has_movers() {
+            let reason = "volumes of light have no kernel on the graphics device; take device `cpu`";
+            return Err(StrategyError::Unsupported(reason.into()));
+        }
         let SceneArrays { bands, channels, clusters, .. } = baked.scene_arrays();
         if clusters.is_some() {
             return Ok(Box::new(ClusteredOnGpu::new(&self.bench, baked)?));

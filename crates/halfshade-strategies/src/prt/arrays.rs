@@ -52,7 +52,7 @@ impl BakedScene {
             components: clusters.components,
             of_row: &clusters.of_row,
             weights: &clusters.weights,
-            products: clusters.count(transfer.width()) * (clusters.components + 1),
+            products: self.product_count(),
         });
         SceneArrays { bands: transfer.bands, channels: transfer.channels, rows: transfer.rows(), clusters }
     }

@@ -13,8 +13,10 @@
 //! surfaces is inside, which makes three vectors of one where any of them is coloured. b are the bounces that the scene asks for.
 //!
 //! **Space.** Vectors are of the world as it is at the first frame. Objects stand still against each other; the scene may move
-//! and turn as a whole, and the light may turn and change: per frame the light's vector is turned the other way. Anything else
-//! is unsupported, and so are local lights, whose light isn't the same everywhere, and gloss, which would need a matrix.
+//! and turn as a whole, and the light may turn and change: per frame the light's vector is turned the other way. Objects that move
+//! against others or deform are refused, or take their light from an irradiance volume among the others (`bake/volume`): their
+//! shadows are missing then. Unsupported are local lights, whose light isn't the same everywhere, and gloss, which would need a
+//! matrix.
 //!
 //! **Phases.** `bake`: rays from every vertex of every object against all triangles (`bake/mod.rs`), in chunks that are cached as they
 //! are finished. `prepare`: one vector per channel. `shade`: a dot product per channel (`kernel/dot.rs`) which reads n² numbers
@@ -39,13 +41,13 @@ mod prepare;
 mod settings;
 mod shade;
 
-use bake::{arrangement::Arrangement, bake, table::Transfer};
-use halfshade_scene::{Cache, Frame, Progress, Scene};
+use bake::{arrangement::Arrangement, bake, compress::Clusters, table::Transfer, volume::Volume};
+use halfshade_scene::{Cache, Frame, Pose, Progress, Scene};
 use halfshade_strategy::{Baked, Detail, Effect, Effects, Footprint, Info, Params, Prepared, Strategy, StrategyError};
 use kernel::decode::Product;
 use prepare::{light::FrameLight, products};
 use settings::Settings;
-use shade::{Shader, clusters::ClusterShader};
+use shade::{Shader, clusters::ClusterShader, volume::VolumeShader};
 
 /// The strategy.
 #[derive(Debug, Clone, Default)]
@@ -61,6 +63,11 @@ pub struct BakedScene {
     light: FrameLight,
     /// Light times the vectors of clusters, if the transfer is compressed.
     products: Vec<Product>,
+    /// Light for objects that move, if any do.
+    volume: Option<Volume>,
+    /// What arrives at its points.
+    incoming: Vec<Product>,
+    baked_from_world: Pose,
 }
 
 impl Prt {
@@ -80,12 +87,16 @@ impl Prt {
         progress: &dyn Progress,
     ) -> Result<BakedScene, StrategyError> {
         let settings = Settings::read(params);
-        let arrangement = Arrangement::of(scene)?;
+        let arrangement = Arrangement::of(scene, settings.moving)?;
+        let bake::Baked { transfer, volume } = bake(scene, &arrangement, &settings, &self.cache, progress)?;
         Ok(BakedScene {
-            transfer: bake(scene, &settings, &self.cache, progress)?,
+            transfer,
             arrangement,
             light: FrameLight::new(settings.bands, &scene.environment),
             products: Vec::new(),
+            volume,
+            incoming: Vec::new(),
+            baked_from_world: Pose::IDENTITY,
         })
     }
 }
@@ -103,6 +114,7 @@ impl Strategy for Prt {
                 Effect::ColouredLight,
                 Effect::Interreflection,
                 Effect::Motion,
+                Effect::Deformation,
             ]),
         }
     }
@@ -122,9 +134,27 @@ impl BakedScene {
         self.arrangement.check(&frame.world_from_object, &frame.scene.objects, frame.index)?;
         self.light.set(frame, &self.arrangement);
         if let Some(clusters) = &self.transfer.clusters {
-            products::set(&self.transfer, clusters, &self.light, &mut self.products);
+            let (vectors, channels) = (&clusters.vectors, self.transfer.channels);
+            products::set(&self.light, vectors, channels, self.product_count(), &mut self.products);
+        }
+        self.baked_from_world = self.arrangement.pose_from_world(&frame.world_from_object);
+        if let Some(volume) = &self.volume {
+            products::set(&self.light, &volume.vectors, volume.channels, volume.rows(), &mut self.incoming);
         }
         Ok(())
+    }
+}
+
+impl BakedScene {
+    /// Whether objects move against others, and take light from a volume.
+    pub fn has_movers(&self) -> bool {
+        self.arrangement.has_movers()
+    }
+
+    /// Means and axes of all clusters.
+    fn product_count(&self) -> usize {
+        let count = |clusters: &Clusters| clusters.count(self.transfer.width()) * (clusters.components + 1);
+        self.transfer.clusters.as_ref().map_or(0, count)
     }
 }
 
@@ -132,6 +162,10 @@ impl Baked for BakedScene {
     fn footprint(&self) -> Footprint {
         let mut parts = self.transfer.parts();
         parts.push(("light", self.light.bytes() + size_of_val(self.products.as_slice())));
+        if let Some(volume) = &self.volume {
+            let bytes = size_of_val(volume.vectors.as_slice()) + size_of_val(self.incoming.as_slice());
+            parts.push(("volume of light", bytes));
+        }
         Footprint { parts }
     }
 
@@ -151,15 +185,30 @@ impl Baked for BakedScene {
                 detail("bytes of the mean and axes of each", (4 * (clusters.components + 1) * width) as f64),
             ]);
         }
+        if let Some(volume) = &self.volume {
+            let steps = volume.grid.steps().map(|steps| steps as f64);
+            details.push(Detail { name: "steps of the volume of light along x, y, z".into(), values: steps.to_vec() });
+            details.push(detail("points of it within solids", volume.inside as f64));
+        }
         details
     }
 
     fn prepare(&mut self, frame: &Frame<'_>) -> Result<Box<dyn Prepared + '_>, StrategyError> {
         self.prepare_frame(frame)?;
         let Self { transfer, light, products, .. } = self;
-        Ok(match &transfer.clusters {
+        let rest: Box<dyn Prepared + '_> = match &transfer.clusters {
             Some(clusters) => Box::new(ClusterShader { transfer, table: clusters.table(), light, products }),
             None => Box::new(Shader { transfer, light }),
+        };
+        Ok(match &self.volume {
+            Some(Volume { grid, .. }) => Box::new(VolumeShader {
+                rest,
+                grid: *grid,
+                incoming: &self.incoming,
+                moves: self.arrangement.movers(),
+                baked_from_world: self.baked_from_world,
+            }),
+            None => rest,
         })
     }
 }

@@ -28,6 +28,16 @@ choice! {
     }
 }
 
+choice! {
+    /// What becomes of objects that move against the others, or deform.
+    pub(crate) enum Moving {
+        /// scenes with any are refused
+        Refuse = "refuse",
+        /// they receive light from a volume of what arrives among the others, and hide none
+        Volume = "volume",
+    }
+}
+
 settings! {
     /// Everything that can be set.
     pub(crate) struct Settings {
@@ -43,5 +53,9 @@ settings! {
         "clusters" => clusters: usize = 256, in 1..=4096;
         /// principal components of each cluster, for `pca` and `cpca`
         "components" => components: usize = 8, in 0..=192;
+        /// what becomes of objects that move against the others
+        "moving" => moving: Moving = Moving::Refuse;
+        /// steps of the volume along its longest side
+        "volume-steps" => volume_steps: usize = 12, in 1..=64;
     }
 }

@@ -190,10 +190,10 @@ contract_tests!(analytic_with_own_spheres, Analytic, "own=spheres", CLOSED_FORMS
 const LIMITED: Bounds = Bounds { constant: 1e-5, quadrature: 0.2, gloss: 0.0, rotation: 1e-4, brightening: 0.0 };
 
 contract_tests!(prt, Prt::new(kept()), "directions=16", LIMITED);
+contract_tests!(prt_unshadowed, Prt::default(), "bands=3,transfer=unshadowed", Bounds { quadrature: 0.3, ..LIMITED });
 contract_tests!(
     prt_compressed,
-    Prt::new(kept()),
-    "directions=16,compression=cpca,clusters=64,components=8",
-    Bounds { constant: 0.01, ..LIMITED }
+    Prt::default(),
+    "bands=3,transfer=unshadowed,compression=cpca,clusters=8,components=6",
+    Bounds { constant: 0.01, quadrature: 0.3, rotation: 0.01, brightening: 0.01, ..LIMITED }
 );
-contract_tests!(prt_unshadowed, Prt::default(), "bands=3,transfer=unshadowed", Bounds { quadrature: 0.3, ..LIMITED });

@@ -2,7 +2,7 @@
 
 use crate::{
     common::{baked, shade},
-    prt::scenes::{limited_light, torus_over_ground},
+    prt::scenes::{in_batches, limited_light, torus_over_ground},
 };
 use glam::Vec3;
 use halfshade_scene::{
@@ -81,14 +81,7 @@ fn batches_change_no_bit() {
     let whole = shade(baked.as_mut(), &frame, &receivers);
     let prepared = baked.prepare(&frame).unwrap();
     for size in [1, 3, 8, 13] {
-        let mut out = RadianceBuffer::zeros(receivers.len());
-        let mut rest = out.view_mut();
-        for start in (0..receivers.len()).step_by(size) {
-            let end = (start + size).min(receivers.len());
-            let (part, after) = rest.split_at(end - start);
-            prepared.shade(receivers.view().slice(start..end), part);
-            rest = after;
-        }
+        let out = in_batches(&*prepared, &receivers, size);
         assert_eq!(out.channels, whole.channels, "{size}");
     }
 }
@@ -99,15 +92,14 @@ fn ends_are_finite() {
     for settings in ["pca", "vq", "cpca,clusters=4096,components=0", "cpca,clusters=1,components=192"] {
         let settings = format!("directions=16,compression={settings}");
         let mut black = scene(Vec3::ZERO);
-        black.objects.iter_mut().for_each(|object| object.material = Material { albedo: Vec3::ZERO, ..object.material.clone() });
+        black
+            .objects
+            .iter_mut()
+            .for_each(|object| object.material = Material { albedo: Vec3::ZERO, ..object.material.clone() });
         let mut one = black.clone();
         one.objects.truncate(1);
-        one.objects[0].mesh = halfshade_scene::Mesh {
-            positions: vec![Vec3::ONE],
-            normals: vec![Vec3::Y],
-            ..Default::default()
-        }
-        .into();
+        one.objects[0].mesh =
+            halfshade_scene::Mesh { positions: vec![Vec3::ONE], normals: vec![Vec3::Y], ..Default::default() }.into();
         let none = Scene::at_rest("none", Vec::new(), Environment::constant(Vec3::ONE));
         for scene in [black, one, none] {
             let frame = scene.frame(0);

@@ -6,3 +6,4 @@ mod convergence;
 mod ends;
 mod motion;
 mod scenes;
+mod volume;

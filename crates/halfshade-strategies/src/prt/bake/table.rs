@@ -27,6 +27,13 @@ impl Transfer {
         self.channels * self.bands * self.bands
     }
 
+    /// The vector of a row for a channel, before anything is compressed.
+    pub(crate) fn vector(&self, row: usize, channel: usize) -> &[f32] {
+        let count = self.bands * self.bands;
+        let channel = if self.channels == 1 { 0 } else { channel };
+        &self.values[row * self.width() + channel * count..][..count]
+    }
+
     /// All rows, without the padding.
     pub(crate) fn rows(&self) -> &[f32] {
         &self.values[..self.values.len() - PADDING]

@@ -2,3 +2,5 @@
 
 pub(crate) mod decode;
 pub(crate) mod dot;
+pub(crate) mod grid;
+pub(crate) mod volume;

@@ -2,6 +2,7 @@
 
 pub(crate) mod clusters;
 pub(crate) mod place;
+pub(crate) mod volume;
 
 use super::{
     bake::table::Transfer,
