@@ -45,7 +45,7 @@ use bake::{arrangement::Arrangement, bake, compress::Clusters, table::Transfer, 
 use halfshade_scene::{Cache, Frame, Pose, Progress, Scene};
 use halfshade_strategy::{Baked, Detail, Effect, Effects, Footprint, Info, Params, Prepared, Strategy, StrategyError};
 use kernel::decode::Product;
-use prepare::{light::FrameLight, products};
+use prepare::{light::FrameLight, products, turns};
 use settings::Settings;
 use shade::{Shader, clusters::ClusterShader, volume::VolumeShader};
 
@@ -68,6 +68,8 @@ pub struct BakedScene {
     /// What arrives at its points.
     incoming: Vec<Product>,
     baked_from_world: Pose,
+    /// Rotations of objects that move.
+    turns: Vec<Vec<f32>>,
 }
 
 impl Prt {
@@ -97,6 +99,7 @@ impl Prt {
             volume,
             incoming: Vec::new(),
             baked_from_world: Pose::IDENTITY,
+            turns: Vec::new(),
         })
     }
 }
@@ -140,6 +143,7 @@ impl BakedScene {
         self.baked_from_world = self.arrangement.pose_from_world(&frame.world_from_object);
         if let Some(volume) = &self.volume {
             products::set(&self.light, &volume.vectors, volume.channels, volume.rows(), &mut self.incoming);
+            self.turns = turns::of(frame, volume, &self.baked_from_world);
         }
         Ok(())
     }
@@ -163,8 +167,7 @@ impl Baked for BakedScene {
         let mut parts = self.transfer.parts();
         parts.push(("light", self.light.bytes() + size_of_val(self.products.as_slice())));
         if let Some(volume) = &self.volume {
-            let bytes = size_of_val(volume.vectors.as_slice()) + size_of_val(self.incoming.as_slice());
-            parts.push(("volume of light", bytes));
+            parts.push(("volume of light", volume.bytes() + size_of_val(self.incoming.as_slice())));
         }
         Footprint { parts }
     }
@@ -201,12 +204,14 @@ impl Baked for BakedScene {
             None => Box::new(Shader { transfer, light }),
         };
         Ok(match &self.volume {
-            Some(Volume { grid, .. }) => Box::new(VolumeShader {
+            Some(volume) => Box::new(VolumeShader {
                 rest,
-                grid: *grid,
+                grid: volume.grid,
                 incoming: &self.incoming,
                 moves: self.arrangement.movers(),
                 baked_from_world: self.baked_from_world,
+                own: &volume.own,
+                turns: &self.turns,
             }),
             None => rest,
         })

@@ -155,3 +155,35 @@ fn batches_change_no_bit() {
         }
     }
 }
+
+/// In the open, a torus that tumbles is shaded as one that stands as it does at that frame, light of few bands being what both know.
+#[test]
+fn a_body_hides_light_from_itself() {
+    let speck = Object::new("speck", shapes::plane(1)).pose(Pose { scale: 1e-4, ..Pose::IDENTITY });
+    let turn = |angle: f32| Pose {
+        rotation: Quat::from_axis_angle(Vec3::new(0.6, 0.0, 0.8), angle),
+        ..Pose::from_translation(Vec3::Y)
+    };
+    let torus = |motion: Motion| Object::new("torus", shapes::torus(0.8, 0.4, 32, 16)).motion(motion);
+    let tumbling = torus(Motion::Keyframes(vec![(0.0, turn(0.0)), (1.0, turn(2.0))]));
+    let scene = Scene {
+        frame_count: 3,
+        frames_per_sec: 1.0,
+        ..Scene::at_rest("tumbling", vec![speck, tumbling], limited_light(3, 35))
+    };
+    let frame = scene.frame(1);
+    let receivers = ReceiverBuffer::vertices(&frame);
+    let shaded = |scene: &Scene, settings: &str| {
+        shade(baked(&Prt::default(), scene, settings).as_mut(), &scene.frame(1), &receivers)
+    };
+    let found = shaded(&scene, "moving=volume,directions=512");
+    let still = Scene { objects: vec![scene.objects[0].clone(), torus(Motion::Still(turn(2.0)))], ..scene.clone() };
+    let exact = shaded(&still, "transfer=shadowed,bands=3,directions=512");
+    let open = shaded(&still, "transfer=unshadowed,bands=3");
+    let difference = |other: &halfshade_scene::RadianceBuffer| {
+        // The torus's shadow on the speck isn't known.
+        let on_torus = (0..receivers.len()).filter(|&i| receivers.view().object[i] == 1);
+        on_torus.map(|i| (other.at(i) - exact.at(i)).abs().max_element()).fold(0.0, f32::max)
+    };
+    assert!(difference(&found) < 0.1 * difference(&open), "{} {}", difference(&found), difference(&open));
+}

@@ -59,9 +59,13 @@ pub(crate) fn bake(
     progress: &dyn Progress,
 ) -> Result<Baked, StrategyError> {
     let grid = volume::of_movers(scene, arrangement).map(|bounds| Grid::around(bounds, settings.volume_steps));
+    let is_traced = settings.transfer != TransferKind::Unshadowed;
+    let own = match grid {
+        Some(_) if is_traced => volume::of_bodies(scene, arrangement, settings.directions, cache, progress)?,
+        _ => Vec::new(),
+    };
     let scene = &*arrangement.at_rest(scene);
     let frame = scene.frame(0);
-    let is_traced = settings.transfer != TransferKind::Unshadowed;
     let bounces = if settings.transfer == TransferKind::Interreflected { scene.bounces } else { 0 };
     let rows = Rows::new(&frame, is_traced);
     let probe_count = grid.as_ref().map_or(0, Grid::len);
@@ -87,7 +91,7 @@ pub(crate) fn bake(
         transfer.values = Vec::new();
     }
     transfer.values.extend([0.0; PADDING]);
-    Ok(Baked { transfer, volume })
+    Ok(Baked { transfer, volume: volume.map(|volume| Volume { own, ..volume }) })
 }
 
 /// Traces rays from all rows of the table, and from all points of a grid, if there is one.

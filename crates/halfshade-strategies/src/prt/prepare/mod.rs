@@ -2,3 +2,4 @@
 
 pub(crate) mod light;
 pub(crate) mod products;
+pub(crate) mod turns;

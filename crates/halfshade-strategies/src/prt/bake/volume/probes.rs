@@ -55,7 +55,7 @@ impl Probes<'_> {
         let nothing = || vec![0.0; length];
         let vectors = points.into_iter().flat_map(|point| point.unwrap_or_else(nothing)).chain([0.0; PADDING]);
         let vectors = vectors.map(|value| if value.is_finite() { value } else { 0.0 });
-        Ok(Volume { grid: self.grid, channels, vectors: vectors.collect(), inside })
+        Ok(Volume { grid: self.grid, channels, vectors: vectors.collect(), inside, own: Vec::new() })
     }
 
     /// Directions in equal shares of the sphere, on a spiral.
