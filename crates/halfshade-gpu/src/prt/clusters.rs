@@ -101,7 +101,7 @@ impl ClusteredOnGpu {
     }
 }
 
-/// What was compressed: nothing else is baked for this.
+/// The compressed table: nothing else is baked for this.
 fn arrays(baked: &BakedScene) -> ClusterArrays<'_> {
     baked.scene_arrays().clusters.unwrap_or_default()
 }

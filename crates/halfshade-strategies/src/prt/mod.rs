@@ -65,7 +65,7 @@ pub struct BakedScene {
     products: Vec<Product>,
     /// Light for objects that move, if any do.
     volume: Option<Volume>,
-    /// What arrives at its points.
+    /// Light that arrives at its points.
     incoming: Vec<Product>,
     baked_from_world: Pose,
     /// Rotations of objects that move.

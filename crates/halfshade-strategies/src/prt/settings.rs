@@ -29,7 +29,7 @@ choice! {
 }
 
 choice! {
-    /// What becomes of objects that move against the others, or deform.
+    /// Objects that move against the others, or deform.
     pub(crate) enum Moving {
         /// scenes with any are refused
         Refuse = "refuse",

@@ -128,7 +128,7 @@ fn solids_are_not_dark_beside_their_walls() {
     }
 }
 
-/// What stands still has the same vectors as if nothing moved, and the ball's shadow isn't there.
+/// Vectors of all that stands still are the same as if nothing moved: the ball's shadow isn't there.
 #[test]
 fn what_stands_still_is_as_without_movers() {
     let ground = Object::new("ground", shapes::plane(4));

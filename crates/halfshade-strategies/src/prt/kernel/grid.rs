@@ -60,7 +60,7 @@ impl Grid {
     #[inline]
     pub(crate) fn weights(&self, place: Vec3) -> Around {
         let last = (self.counts - 1).as_vec3();
-        // What isn't a number is at the first point.
+        // Places that are no numbers are at the first point.
         let along = ((place - self.low) / self.step).max(Vec3::ZERO).min(last);
         let cell = along.as_uvec3().min(self.counts - 2);
         let share = along - cell.as_vec3();

@@ -109,7 +109,7 @@ impl Clusters {
         self.vectors.len().saturating_sub(PADDING) / ((self.components + 1) * width)
     }
 
-    /// What a row is made of.
+    /// Clusters and weights of all rows.
     pub(crate) fn table(&self) -> Weights<'_> {
         Weights { components: self.components, of_row: &self.of_row, weights: &self.weights }
     }

@@ -1,4 +1,4 @@
-//! What bodies that move hide from themselves: transfer of each alone, in its own space, in as many bands as the volume has.
+//! Own shadows of bodies that move: transfer of each alone, in its own space, in as many bands as the volume has.
 
 use crate::prt::{
     bake::{

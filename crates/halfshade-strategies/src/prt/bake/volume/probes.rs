@@ -70,7 +70,7 @@ impl Probes<'_> {
         (0..self.directions).map(direction).collect()
     }
 
-    /// What light from infinitely far becomes at a point.
+    /// Vectors of light that arrives at a point, and the part of directions that meet a solid from within.
     fn probe(&self, point: Vec3, directions: &[DVec3], reflected: Option<&Transfer>, channels: usize) -> Probe {
         let count = self.bands * self.bands;
         let mut rows: Vec<f64> =
