@@ -2,7 +2,7 @@
 //!
 //! A receiver on no triangle gets a product of its own: light times its vector.
 
-use super::told;
+use super::too_large::told;
 use crate::{
     GpuError,
     kernels::PRT_CLUSTERS,

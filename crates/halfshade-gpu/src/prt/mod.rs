@@ -4,11 +4,11 @@
 //! spherical harmonics.
 
 mod clusters;
+mod too_large;
 
 pub use clusters::{ClusterBetween, ClusterUniforms};
 
 use crate::{
-    GpuError,
     kernels::PRT,
     receivers::KernelSpace,
     rows::in_fours,
@@ -26,6 +26,7 @@ use halfshade_strategies::{
     },
 };
 use halfshade_strategy::{Baked, Detail, Footprint, Info, Params, Prepared, Strategy, StrategyError};
+use too_large::told;
 
 /// Rows of four of the longest vector.
 const MOST_PARTS: usize = 16;
@@ -163,15 +164,5 @@ impl Baked for BakedOnGpu {
         self.runner.place_objects(frame, &KernelSpace::of_points(places, DMat3::IDENTITY))?;
         self.runner.upload()?;
         Ok(Box::new(Uploaded(&self.runner)))
-    }
-}
-
-/// An error, told with what to take instead if vectors are larger than the device can bind.
-fn told(error: GpuError) -> StrategyError {
-    match error {
-        GpuError::TooLarge { bytes, limit, .. } => StrategyError::Unsupported(format!(
-            "transfer vectors take {bytes} bytes, but the graphics device binds {limit} at most; take fewer bands, or device `cpu`"
-        )),
-        error => error.into(),
     }
 }

@@ -23,7 +23,7 @@ pub(crate) mod table;
 pub(crate) mod volume;
 
 use super::{
-    kernel::grid::Grid,
+    kernel::{dot::PADDING, grid::Grid},
     settings::{Settings, TransferKind},
 };
 use arrangement::Arrangement;
@@ -36,7 +36,7 @@ use passes::Passes;
 use rayon::prelude::*;
 use rows::Rows;
 use surface::Surfaces;
-use table::{PADDING, Transfer};
+use table::Transfer;
 use volume::{Probes, Volume};
 
 /// Everything that is baked of a scene.

@@ -1,11 +1,9 @@
 //! The table of transfer vectors.
 
 use super::{compress::Clusters, rows::ObjectRows};
+use crate::prt::kernel::dot::PADDING;
 use halfshade_scene::Mesh;
 use std::sync::Arc;
-
-/// Numbers past the end of a table, so that eight at a time can be read from anywhere.
-pub(crate) const PADDING: usize = 7;
 
 /// Transfer vectors of a scene, in the world as it is at the first frame.
 #[derive(Debug)]

@@ -10,8 +10,9 @@
 
 use super::{
     principal::Flat,
+    rounded::RoundedFlat,
     seeds::seed,
-    table::{RoundedFlat, Rows, squared_distance},
+    table::{Rows, squared_distance},
 };
 use halfshade_scene::Progress;
 use rayon::prelude::*;

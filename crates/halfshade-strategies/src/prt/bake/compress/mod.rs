@@ -12,12 +12,13 @@
 
 mod local;
 mod principal;
+mod rounded;
 mod seeds;
 mod table;
 
-use super::{chunks::told, table::PADDING};
+use super::chunks::told;
 use crate::prt::{
-    kernel::decode::Weights,
+    kernel::{decode::Weights, dot::PADDING},
     settings::{Compression, Settings},
 };
 use halfshade_scene::{Cache, Progress, cache::CacheKey};

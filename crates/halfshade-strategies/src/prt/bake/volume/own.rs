@@ -8,9 +8,9 @@ use crate::prt::{
         passes::Passes,
         rows::Rows,
         surface::Surfaces,
-        table::{PADDING, Transfer},
+        table::Transfer,
     },
-    kernel::volume::BANDS,
+    kernel::{dot::PADDING, volume::BANDS},
 };
 use halfshade_scene::{Cache, Mesh, Motion, Object, Pose, Progress, Scene};
 use halfshade_strategy::StrategyError;

@@ -1,13 +1,14 @@
 //! Rays from the points of a grid.
 
-use super::Volume;
+use super::light::{Volume, identity};
 use crate::prt::{
     bake::{
         chunks::Chunks,
         surface::{Met, Reflector, Surfaces},
-        table::{PADDING, Transfer},
+        table::Transfer,
     },
     kernel::{
+        dot::PADDING,
         grid::Grid,
         volume::{BANDS, COEFFICIENTS},
     },
@@ -94,13 +95,6 @@ impl Probes<'_> {
         }
         (rows.into_iter().map(|value| value as f32).collect(), f64::from(inside) / directions.len() as f64)
     }
-}
-
-/// Rows of a point that sees everything: the light itself.
-pub(super) fn identity(bands: usize) -> Vec<f32> {
-    let count = bands * bands;
-    let row = |i: usize| (0..count).map(move |j| if i == j { 1.0 } else { 0.0 });
-    (0..COEFFICIENTS).flat_map(row).collect()
 }
 
 /// Takes what a surface reflects, channel by channel.
