@@ -458,14 +458,28 @@ pub const PRT: Kernel = Kernel {
     buffers: &[RECEIVERS, &["frame", "rows", "points"]],
 };
 
+/// Compressed transfer times light.
+pub const PRT_CLUSTERS: Kernel = Kernel {
+    name: "prt-clusters",
+    shader: "prt/shade_clusters.wgsl",
+    twins: &[Twin {
+        shader: "prt/decode.wgsl",
+        cpu: "halfshade_strategies::prt::kernel::decode",
+        tolerance: 1e-6,
+        reason: "sums in another order",
+    }],
+    buffers: &[RECEIVERS, &["frame", "row_weights", "points", "products"]],
+};
+
 /// All kernels.
 pub const KERNELS: &[Kernel] =
-    &[UNSHADOWED, RAY_TRACED, RAY_TRACED_FILTER, SH_EXP, SH_EXP_EMIT, SHADOW_FIELD, MASK, ANALYTIC, PRT];
+    &[UNSHADOWED, RAY_TRACED, RAY_TRACED_FILTER, SH_EXP, SH_EXP_EMIT, SHADOW_FIELD, MASK, ANALYTIC, PRT, PRT_CLUSTERS];
 
 /// All that has none.
 pub const MISSING: &[Missing] = &[
     Missing { cpu: "halfshade_strategies::sh_exp::kernel::traced", instead: "exp=hybrid or device `cpu`" },
     Missing { cpu: "halfshade_strategies::shadow_field::shade::haar", instead: "basis=sh or device `cpu`" },
     Missing { cpu: "halfshade_strategies::shadow_field::shade::traced", instead: "sampling=adaptive or device `cpu`" },
+    Missing { cpu: "halfshade_strategies::prt::kernel::volume", instead: "moving=refuse or device `cpu`" },
     Missing { cpu: "halfshade_strategies::cosine_lobe", instead: "device `cpu`" },
 ];

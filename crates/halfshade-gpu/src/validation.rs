@@ -314,4 +314,12 @@ fn structs_lie_in_rust_as_in_wgsl() {
     type Between = prt::Between;
     let between = vec![offset_of!(Between, rows), offset_of!(Between, weights)];
     assert_eq!(layout(&module, "Between"), (size_of::<Between>(), between));
+
+    let (module, _) = valid("prt-clusters", &shader::module("prt/shade_clusters.wgsl", None));
+    // The rest of its last four is padding, which settings need that lie in a uniform buffer.
+    let components = vec![offset_of!(prt::ClusterUniforms, components)];
+    assert_eq!(layout(&module, "Frame"), (4, components));
+    type Clusters = prt::ClusterBetween;
+    let between = vec![offset_of!(Clusters, rows), offset_of!(Clusters, clusters), offset_of!(Clusters, weights)];
+    assert_eq!(layout(&module, "Between"), (size_of::<Clusters>(), between));
 }

@@ -17,6 +17,7 @@ const AFFORDABLE: &[(&str, i64)] = &[
     ("sample-divisions", 2),
     ("samples", 64),
     ("shells", 6),
+    ("volume-steps", 6),
 ];
 
 /// A strategy with its parameters set.

@@ -233,6 +233,15 @@ fn analytic(drawn: &Drawn) -> Tolerances {
 
 fn prt(p: &Params, drawn: &Drawn) -> Tolerances {
     let rings = !is_constant(drawn);
+    const SHARED: &str = "a cluster's vectors stand for each other's";
+    const VOLUME: &str = "three bands of light between points of a grid, without shadows of what moves";
+    let is_compressed = p.word("compression") != "none";
+    if is_compressed || p.word("moving") == "volume" {
+        let none = Err(if is_compressed { SHARED } else { VOLUME });
+        let (below, above, brightened, jump) = (none, none, none, none);
+        let turned = if is_compressed { EXACT } else { none };
+        return Tolerances { below, above, rings: None, scaled: EXACT, turned, linear: EXACT, brightened, jump };
+    }
     Tolerances {
         // Sums over rays have weights that are exact for the light's first band.
         below: EXACT,

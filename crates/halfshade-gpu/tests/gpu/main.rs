@@ -78,8 +78,13 @@ const MORE_FIELDS: [&str; 5] = [
 ];
 
 /// Settings of `prt` that are compared with the CPU.
-const TRANSFER: [&str; 3] =
-    ["bands=8,directions=32", "bands=3,transfer=shadowed,directions=32", "bands=1,transfer=unshadowed"];
+const TRANSFER: [&str; 5] = [
+    "bands=8,directions=32",
+    "bands=3,transfer=shadowed,directions=32",
+    "bands=1,transfer=unshadowed",
+    "directions=32,compression=cpca,clusters=20,components=5",
+    "bands=3,directions=32,compression=vq,clusters=30",
+];
 
 /// Settings of `mask` that are held to the contract.
 const MASKS: [&str; 3] = ["", "directions=100,own=spheres,rule=covering", "directions=256,normals=0,rule=published"];

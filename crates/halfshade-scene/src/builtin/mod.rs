@@ -19,6 +19,7 @@
 
 mod bowling;
 mod choreography;
+mod courtyard;
 mod daylight;
 mod ducks;
 mod falling;
@@ -69,6 +70,7 @@ pub const SCENES: &[(&str, &str)] = &[
     ("glossy-sphere", "a sphere whose gloss varies under one spherical light, without blockers (66k vertices)"),
     ("rising-squirrel", "a squirrel rises from a plane under one spherical light: a height a frame (64 spheres)"),
     ("two-squirrels", "two glossy squirrels in an open box under one spherical light (1,024 spheres)"),
+    ("courtyard", "a figure walks between walls and columns that stand still, in a studio's soft light"),
     ("crowd", "64 tumbling blobs over a plane, 256 spheres: many blockers at once"),
 ];
 
@@ -88,6 +90,7 @@ pub fn scene(name: &str) -> Option<Scene> {
         "glossy-sphere" => glossy_sphere::scene(),
         "rising-squirrel" => rising_squirrel::scene(),
         "two-squirrels" => two_squirrels::scene(),
+        "courtyard" => courtyard::scene(),
         "crowd" => small::crowd(),
         _ => return None,
     })

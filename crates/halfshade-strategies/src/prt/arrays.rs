@@ -17,6 +17,22 @@ pub struct SceneArrays<'a> {
     /// Rows of as many vectors, each of bands² numbers: the vertices of all objects, then the backs of some. 1/π is in them, the
     /// albedo of what they belong to isn't.
     pub rows: &'a [f32],
+    /// Stored instead of rows, where they are compressed.
+    pub clusters: Option<ClusterArrays<'a>>,
+}
+
+/// A compressed table: a receiver at row i is the product of light with the mean of its cluster, and the weighted products with
+/// its axes.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct ClusterArrays<'a> {
+    /// Weights of a row.
+    pub components: usize,
+    /// Number of the cluster of each row.
+    pub of_row: &'a [u16],
+    /// Weights of each row.
+    pub weights: &'a [f32],
+    /// Products of a frame: one more than `components` for each cluster.
+    pub products: usize,
 }
 
 /// Light of a frame.
@@ -24,13 +40,21 @@ pub struct SceneArrays<'a> {
 pub struct FrameArrays<'a> {
     /// Radiance times steradian, by channel and coefficient, in the space of the rows.
     pub light: &'a [Vec<f32>; 3],
+    /// Light times the means and axes of clusters: red, green, blue, and 0.
+    pub products: &'a [[f32; 4]],
 }
 
 impl BakedScene {
     /// Transfer of the scene.
     pub fn scene_arrays(&self) -> SceneArrays<'_> {
         let transfer = &self.transfer;
-        SceneArrays { bands: transfer.bands, channels: transfer.channels, rows: transfer.rows() }
+        let clusters = transfer.clusters.as_ref().map(|clusters| ClusterArrays {
+            components: clusters.components,
+            of_row: &clusters.of_row,
+            weights: &clusters.weights,
+            products: self.product_count(),
+        });
+        SceneArrays { bands: transfer.bands, channels: transfer.channels, rows: transfer.rows(), clusters }
     }
 
     /// Brings the light up to a frame, and gives it.
@@ -39,7 +63,7 @@ impl BakedScene {
     /// Why the frame can't be shaded with what was baked.
     pub fn frame_arrays(&mut self, frame: &Frame<'_>) -> Result<FrameArrays<'_>, StrategyError> {
         self.prepare_frame(frame)?;
-        Ok(FrameArrays { light: &self.light.coefficients })
+        Ok(FrameArrays { light: &self.light.coefficients, products: &self.products })
     }
 
     /// Transfer of a receiver with this normal in the world of a frame, if nothing hid any light.

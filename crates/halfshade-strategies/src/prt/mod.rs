@@ -13,8 +13,10 @@
 //! surfaces is inside, which makes three vectors of one where any of them is coloured. b are the bounces that the scene asks for.
 //!
 //! **Space.** Vectors are of the world as it is at the first frame. Objects stand still against each other; the scene may move
-//! and turn as a whole, and the light may turn and change: per frame the light's vector is turned the other way. Anything else
-//! is unsupported, and so are local lights, whose light isn't the same everywhere, and gloss, which would need a matrix.
+//! and turn as a whole, and the light may turn and change: per frame the light's vector is turned the other way. Objects that move
+//! against others or deform are refused, or take their light from an irradiance volume among the others (`bake/volume`): their
+//! shadows are missing then. Unsupported are local lights, whose light isn't the same everywhere, and gloss, which would need a
+//! matrix.
 //!
 //! **Phases.** `bake`: rays from every vertex of every object against all triangles (`bake/mod.rs`), in chunks that are cached as they
 //! are finished. `prepare`: one vector per channel. `shade`: a dot product per channel (`kernel/dot.rs`) which reads n² numbers
@@ -24,6 +26,10 @@
 //! limited. Errors are those of K rays per vertex (`bake/hemisphere.rs`: none where nothing is hidden, or everything; else about
 //! that of the boundary between both), of interpolation between vertices, and of light beyond n bands, which rings: radiance
 //! may fall below 0 beside a sun.
+//!
+//! **Compression** \[Sloan2003\]. Rows may be stored as clusters of principal components (`bake/compress`): light times the
+//! vectors of all clusters is part of `prepare` then, and a vertex is a few weights (`kernel/decode.rs`). The error is that of what
+//! is left out, whatever the light.
 //!
 //! **Where nothing is baked.** A receiver on no triangle is lit as if nothing hid any light. The backs of surfaces have
 //! vectors of their own, except for the insides of solids, which are dark.
@@ -35,12 +41,13 @@ mod prepare;
 mod settings;
 mod shade;
 
-use bake::{arrangement::Arrangement, bake, table::Transfer};
-use halfshade_scene::{Cache, Frame, Progress, Scene};
+use bake::{arrangement::Arrangement, bake, compress::Clusters, table::Transfer, volume::Volume};
+use halfshade_scene::{Cache, Frame, Pose, Progress, Scene};
 use halfshade_strategy::{Baked, Detail, Effect, Effects, Footprint, Info, Params, Prepared, Strategy, StrategyError};
-use prepare::light::FrameLight;
+use kernel::decode::Product;
+use prepare::{light::FrameLight, products, turns};
 use settings::Settings;
-use shade::Shader;
+use shade::{Shader, clusters::ClusterShader, volume::VolumeShader};
 
 /// The strategy.
 #[derive(Debug, Clone, Default)]
@@ -54,6 +61,15 @@ pub struct BakedScene {
     transfer: Transfer,
     arrangement: Arrangement,
     light: FrameLight,
+    /// Light times the vectors of clusters, if the transfer is compressed.
+    products: Vec<Product>,
+    /// Light for objects that move, if any do.
+    volume: Option<Volume>,
+    /// Light that arrives at its points.
+    incoming: Vec<Product>,
+    baked_from_world: Pose,
+    /// Rotations of objects that move.
+    turns: Vec<Vec<f32>>,
 }
 
 impl Prt {
@@ -73,11 +89,17 @@ impl Prt {
         progress: &dyn Progress,
     ) -> Result<BakedScene, StrategyError> {
         let settings = Settings::read(params);
-        let arrangement = Arrangement::of(scene)?;
+        let arrangement = Arrangement::of(scene, settings.moving)?;
+        let bake::Baked { transfer, volume } = bake(scene, &arrangement, &settings, &self.cache, progress)?;
         Ok(BakedScene {
-            transfer: bake(scene, &settings, &self.cache, progress)?,
+            transfer,
             arrangement,
             light: FrameLight::new(settings.bands, &scene.environment),
+            products: Vec::new(),
+            volume,
+            incoming: Vec::new(),
+            baked_from_world: Pose::IDENTITY,
+            turns: Vec::new(),
         })
     }
 }
@@ -95,6 +117,7 @@ impl Strategy for Prt {
                 Effect::ColouredLight,
                 Effect::Interreflection,
                 Effect::Motion,
+                Effect::Deformation,
             ]),
         }
     }
@@ -113,27 +136,84 @@ impl BakedScene {
     fn prepare_frame(&mut self, frame: &Frame<'_>) -> Result<(), StrategyError> {
         self.arrangement.check(&frame.world_from_object, &frame.scene.objects, frame.index)?;
         self.light.set(frame, &self.arrangement);
+        if let Some(clusters) = &self.transfer.clusters {
+            let (vectors, channels) = (&clusters.vectors, self.transfer.channels);
+            products::set(&self.light, vectors, channels, self.product_count(), &mut self.products);
+        }
+        self.baked_from_world = self.arrangement.pose_from_world(&frame.world_from_object);
+        if let Some(volume) = &self.volume {
+            products::set(&self.light, &volume.vectors, volume.channels, volume.rows(), &mut self.incoming);
+            self.turns = turns::of(frame, volume, &self.baked_from_world);
+        }
         Ok(())
+    }
+}
+
+impl BakedScene {
+    /// Whether objects move against others, and take light from a volume.
+    pub fn has_movers(&self) -> bool {
+        self.arrangement.has_movers()
+    }
+
+    /// Means and axes of all clusters.
+    fn product_count(&self) -> usize {
+        let count = |clusters: &Clusters| clusters.count(self.transfer.width()) * (clusters.components + 1);
+        self.transfer.clusters.as_ref().map_or(0, count)
     }
 }
 
 impl Baked for BakedScene {
     fn footprint(&self) -> Footprint {
-        Footprint { parts: vec![("transfer vectors", self.transfer.bytes()), ("light", self.light.bytes())] }
+        let mut parts = self.transfer.parts();
+        parts.push(("light", self.light.bytes() + size_of_val(self.products.as_slice())));
+        if let Some(volume) = &self.volume {
+            parts.push(("volume of light", volume.bytes() + size_of_val(self.incoming.as_slice())));
+        }
+        Footprint { parts }
     }
 
     fn details(&self) -> Vec<Detail> {
-        let rows = (self.transfer.rows().len() / self.transfer.width()) as f64;
+        let rows = self.transfer.row_count() as f64;
         let detail = |name: &str, value: f64| Detail { name: name.into(), values: vec![value] };
-        vec![
+        let mut details = vec![
             detail("vertices, and vertices seen from behind, that have vectors", rows),
             detail("vectors of each", self.transfer.channels as f64),
             detail("bounces of light in them", self.transfer.bounces as f64),
-        ]
+        ];
+        if let Some(clusters) = &self.transfer.clusters {
+            let width = self.transfer.width();
+            details.extend([
+                detail("clusters", clusters.count(width) as f64),
+                detail("principal components of each", clusters.components as f64),
+                detail("bytes of the mean and axes of each", (4 * (clusters.components + 1) * width) as f64),
+            ]);
+        }
+        if let Some(volume) = &self.volume {
+            let steps = volume.grid.steps().map(|steps| steps as f64);
+            details.push(Detail { name: "steps of the volume of light along x, y, z".into(), values: steps.to_vec() });
+            details.push(detail("points of it within solids", volume.inside as f64));
+        }
+        details
     }
 
     fn prepare(&mut self, frame: &Frame<'_>) -> Result<Box<dyn Prepared + '_>, StrategyError> {
         self.prepare_frame(frame)?;
-        Ok(Box::new(Shader { transfer: &self.transfer, light: &self.light }))
+        let Self { transfer, light, products, .. } = self;
+        let rest: Box<dyn Prepared + '_> = match &transfer.clusters {
+            Some(clusters) => Box::new(ClusterShader { transfer, table: clusters.table(), light, products }),
+            None => Box::new(Shader { transfer, light }),
+        };
+        Ok(match &self.volume {
+            Some(volume) => Box::new(VolumeShader {
+                rest,
+                grid: volume.grid,
+                incoming: &self.incoming,
+                moves: self.arrangement.movers(),
+                baked_from_world: self.baked_from_world,
+                own: &volume.own,
+                turns: &self.turns,
+            }),
+            None => rest,
+        })
     }
 }

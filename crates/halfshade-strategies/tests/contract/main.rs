@@ -191,3 +191,9 @@ const LIMITED: Bounds = Bounds { constant: 1e-5, quadrature: 0.2, gloss: 0.0, ro
 
 contract_tests!(prt, Prt::new(kept()), "directions=16", LIMITED);
 contract_tests!(prt_unshadowed, Prt::default(), "bands=3,transfer=unshadowed", Bounds { quadrature: 0.3, ..LIMITED });
+contract_tests!(
+    prt_compressed,
+    Prt::default(),
+    "bands=3,transfer=unshadowed,compression=cpca,clusters=8,components=6",
+    Bounds { constant: 0.01, quadrature: 0.3, rotation: 0.01, brightening: 0.01, ..LIMITED }
+);

@@ -1,6 +1,6 @@
 //! The ends of what may be asked: finite and bounded numbers; and work that goes on where it was interrupted.
 
-use crate::prt::scenes::{torus_over_ground, vertices};
+use crate::prt::scenes::{in_batches, torus_over_ground, vertices};
 use glam::Vec3;
 use halfshade_scene::{
     Cache, Environment, Mesh, Object, Progress, RadianceBuffer, ReceiverBuffer, Scene, SurfacePoint,
@@ -127,17 +127,7 @@ fn threads_and_batches_change_no_bit() {
     for settings in ["bands=3,directions=32", "bands=4,directions=32", "bands=7,directions=32"] {
         let mut baked = crate::common::baked(&Prt::default(), &scene, settings);
         let prepared = baked.prepare(&frame).unwrap();
-        let shade = |size: usize| {
-            let mut out = RadianceBuffer::zeros(receivers.len());
-            let mut rest = out.view_mut();
-            for start in (0..receivers.len()).step_by(size) {
-                let end = (start + size).min(receivers.len());
-                let (part, after) = rest.split_at(end - start);
-                prepared.shade(receivers.view().slice(start..end), part);
-                rest = after;
-            }
-            out
-        };
+        let shade = |size: usize| in_batches(&*prepared, &receivers, size);
         let whole = shade(receivers.len());
         for size in [1, 3, 8, 13] {
             let bits = |out: &RadianceBuffer| out.channels.iter().flatten().map(|x| x.to_bits()).collect::<Vec<_>>();

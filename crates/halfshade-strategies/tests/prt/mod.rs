@@ -1,7 +1,9 @@
 //! Precomputed radiance transfer against closed forms and the truth.
 
 mod closed_forms;
+mod compression;
 mod convergence;
 mod ends;
 mod motion;
 mod scenes;
+mod volume;

@@ -6,6 +6,7 @@ use halfshade_scene::{
 };
 use halfshade_sh::basis;
 use halfshade_strategies::Prt;
+use halfshade_strategy::Prepared;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -48,4 +49,17 @@ pub(crate) fn vertices(scene: &Scene, settings: &str) -> (ReceiverBuffer, Radian
     let receivers = ReceiverBuffer::vertices(&frame);
     let radiance = crate::common::shaded(&Prt::default(), scene, &frame, &receivers, settings);
     (receivers, radiance)
+}
+
+/// Receivers shaded so many at a time.
+pub(crate) fn in_batches(prepared: &dyn Prepared, receivers: &ReceiverBuffer, size: usize) -> RadianceBuffer {
+    let mut out = RadianceBuffer::zeros(receivers.len());
+    let mut rest = out.view_mut();
+    for start in (0..receivers.len()).step_by(size) {
+        let end = (start + size).min(receivers.len());
+        let (part, after) = rest.split_at(end - start);
+        prepared.shade(receivers.view().slice(start..end), part);
+        rest = after;
+    }
+    out
 }

@@ -3,7 +3,7 @@
 use super::{CALLS, compare, tolerance};
 use halfshade_gpu::{
     Gpu,
-    probe::{Probe, TransferBetween, TransferFrame, Variable},
+    probe::{ClusterBetween, ClusterUniforms, Probe, TransferBetween, TransferFrame, Variable},
 };
 use libtest_mimic::Failed;
 use rand::{RngExt, SeedableRng};
@@ -56,6 +56,53 @@ pub(super) fn dot(gpu: &Arc<Gpu>) -> Result<(), Failed> {
             .collect();
         let found = probe.call(gpu, &inputs)?;
         compare(&format!("{bands} bands, {channels} vectors"), tolerance(shader), &found, &expected, 3)?;
+    }
+    Ok(())
+}
+
+/// Between random rows of a compressed table, with as many weights as there may be, and with none.
+pub(super) fn decode(gpu: &Arc<Gpu>) -> Result<(), Failed> {
+    let shader = "prt/decode.wgsl";
+    let mut random = Pcg64Mcg::seed_from_u64(62);
+    for components in [0_usize, 1, 8, 192] {
+        let scale = 1.0 / (components + 1) as f32;
+        let mut number = || random.random_range(-1.0_f32..1.0);
+        let products: Vec<[f32; 4]> = (0..6 * (components + 1)).map(|_| [number(), number(), number(), 0.0]).collect();
+        let weights: Vec<f32> = (0..20 * components.max(1)).map(|_| scale * number()).collect();
+        let shares: Vec<[f32; 3]> = (0..CALLS).map(|_| [number(), number(), number()]).collect();
+        let mut chosen = |count: usize| -> [usize; 3] { std::array::from_fn(|_| random.random_range(0..count)) };
+        let chosen: Vec<([usize; 3], [usize; 3])> = (0..CALLS).map(|_| (chosen(20), chosen(6))).collect();
+        let point = |((rows, clusters), &weights): (&([usize; 3], [usize; 3]), &[f32; 3])| ClusterBetween {
+            rows: rows.map(|row| (row * components) as u32),
+            clusters: clusters.map(|cluster| (cluster * (components + 1)) as u32),
+            weights,
+            ..ClusterBetween::default()
+        };
+        let points: Vec<ClusterBetween> = chosen.iter().zip(&shares).map(point).collect();
+        let inputs: Vec<[f32; 4]> = (0..CALLS).map(|i| [i as f32, 0.0, 0.0, 0.0]).collect();
+        let frame = ClusterUniforms { components: components as u32, padding: [0; 3] };
+        let variables = [
+            Variable::storage_struct(0, "frame", &frame),
+            Variable::storage(1, "row_weights", &weights),
+            Variable::storage(2, "points", &points),
+            Variable::storage(3, "products", &products),
+        ];
+        let body = "output[0] = vec4f(decoded_between(points[u32(input[0].x)]), 0.0);";
+        let probe = Probe { shader, bands: None, constants: &[], rows: [1, 1], body, variables: &variables };
+        let radiance = |row: usize, cluster: usize, channel: usize| -> f64 {
+            let product = |k: usize| f64::from(products[cluster * (components + 1) + k][channel]);
+            let terms = (0..components).map(|k| f64::from(weights[row * components + k]) * product(k + 1));
+            product(0) + terms.sum::<f64>()
+        };
+        let expected: Vec<f64> = (chosen.iter().zip(&shares))
+            .flat_map(|((rows, clusters), shares)| {
+                (0..3).map(move |channel| {
+                    (0..3).map(|k| f64::from(shares[k]) * radiance(rows[k], clusters[k], channel)).sum()
+                })
+            })
+            .collect();
+        let found = probe.call(gpu, &inputs)?;
+        compare(&format!("{components} components"), tolerance(shader), &found, &expected, 3)?;
     }
     Ok(())
 }

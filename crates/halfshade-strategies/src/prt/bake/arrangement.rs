@@ -1,8 +1,11 @@
-//! How objects stand to each other: transfer is baked for one arrangement, which may move and turn as a whole.
+//! How objects stand to each other: transfer is baked for one arrangement, which may move and turn as a whole. Objects that move against
+//! it are refused, or left out.
 
+use crate::prt::settings::Moving;
 use glam::{DMat3, DQuat, DVec3};
 use halfshade_scene::{Object, Pose, Scene};
 use halfshade_strategy::StrategyError;
+use std::{borrow::Cow, sync::Arc};
 
 /// Rounding of poses, as a part of the numbers that they are made of: a few steps of single precision.
 const ROUNDING: f64 = 32.0 * f32::EPSILON as f64;
@@ -11,29 +14,78 @@ const ROUNDING: f64 = 32.0 * f32::EPSILON as f64;
 #[derive(Debug)]
 pub(crate) struct Arrangement {
     poses: Vec<Pose>,
+    /// Whether each object moves against the rest, or deforms.
+    moves: Vec<bool>,
+    /// The object against which others move: one that stands still, if any does.
+    base: usize,
 }
 
 impl Arrangement {
-    /// The arrangement of a scene that keeps it at every frame.
+    /// The arrangement of a scene that keeps it at every frame, but for objects that may be left out.
     ///
     /// # Errors
     /// Why transfer can't be baked for the scene.
-    pub(crate) fn of(scene: &Scene) -> Result<Self, StrategyError> {
-        if let Some(object) = scene.objects.iter().find(|object| object.skin.as_ref().is_some_and(|skin| skin.moves()))
-        {
-            return Err(refused(&format!("`{}` deforms", object.name), "sh-exp, mask and ray-traced follow that"));
+    pub(crate) fn of(scene: &Scene, moving: Moving) -> Result<Self, StrategyError> {
+        let deforms = |object: &Object| object.skin.as_ref().is_some_and(|skin| skin.moves());
+        let moves: Vec<bool> = scene.objects.iter().map(deforms).collect();
+        if let Some(number) = moves.iter().position(|deforms| *deforms && moving == Moving::Refuse) {
+            let what = format!("`{}` deforms", scene.objects[number].name);
+            return Err(refused(
+                &what,
+                "sh-exp, mask and ray-traced follow that, and so does moving=volume, in a volume of light",
+            ));
         }
+        let stays = |number: &usize| !moves[*number];
+        let stands = |number: &usize| stays(number) && !scene.objects[*number].motion.moves();
+        let mut all = 0..scene.objects.len();
+        let Some(base) = all.clone().find(stands).or_else(|| all.find(stays)).or(moves.is_empty().then_some(0)) else {
+            return Err(refused("all of them deform", "sh-exp, mask and ray-traced follow that"));
+        };
         let poses = |index: usize| -> Vec<Pose> {
             let time_secs = index as f64 / scene.frames_per_sec;
             scene.objects.iter().map(|object| object.motion.at(time_secs)).collect()
         };
-        let arrangement = Self { poses: poses(0) };
+        let mut arrangement = Self { poses: poses(0), moves, base };
         if scene.objects.iter().any(|object| object.motion.moves()) {
             for index in 1..scene.frame_count {
-                arrangement.check(&poses(index), &scene.objects, index)?;
+                match moving {
+                    Moving::Refuse => arrangement.check(&poses(index), &scene.objects, index)?,
+                    Moving::Volume => arrangement.leave_out(&poses(index)),
+                }
             }
         }
         Ok(arrangement)
+    }
+
+    /// Leaves out whoever doesn't stand as before.
+    fn leave_out(&mut self, poses: &[Pose]) {
+        let moved: Vec<usize> = self.moved(poses).collect();
+        moved.into_iter().for_each(|number| self.moves[number] = true);
+    }
+
+    /// Whether an object is left out.
+    pub(crate) fn moves(&self, number: usize) -> bool {
+        self.moves.get(number).is_some_and(|moves| *moves)
+    }
+
+    /// The same by object.
+    pub(crate) fn movers(&self) -> &[bool] {
+        &self.moves
+    }
+
+    /// Whether any is.
+    pub(crate) fn has_movers(&self) -> bool {
+        self.moves.contains(&true)
+    }
+
+    /// The scene without what moves: no triangles are left of that.
+    pub(crate) fn at_rest<'a>(&self, scene: &'a Scene) -> Cow<'a, Scene> {
+        let mut rest = Cow::Borrowed(scene);
+        for number in (0..scene.objects.len()).filter(|&number| self.moves[number]) {
+            let object = &mut rest.to_mut().objects[number];
+            (object.mesh, object.skin) = (Arc::default(), None);
+        }
+        rest
     }
 
     /// Whether objects stand to each other as they did, at the frame with this number.
@@ -44,23 +96,40 @@ impl Arrangement {
         if poses.len() != self.poses.len() {
             return Err(StrategyError::Failed("the frame is of another scene than was baked".into()));
         }
-        let (Some(first), Some(first_now)) = (self.poses.first(), poses.first()) else { return Ok(()) };
-        let has_moved =
-            |(then, now): (&Pose, &Pose)| !is_same(&Relative::new(first, then), &Relative::new(first_now, now));
-        match self.poses.iter().zip(poses).position(has_moved) {
+        match self.moved(poses).next() {
             None => Ok(()),
             Some(moved) => {
                 let name = |number: usize| objects.get(number).map_or("?", |object| object.name.as_str());
-                let what = format!("`{}` moves against `{}` by frame {index}", name(moved), name(0));
-                Err(refused(&what, "sh-exp, shadow-field, mask and ray-traced follow that"))
+                let what = format!("`{}` moves against `{}` by frame {index}", name(moved), name(self.base));
+                let who = "sh-exp, shadow-field, mask and ray-traced follow that, and so does moving=volume, in a volume of light";
+                Err(refused(&what, who))
             }
         }
+    }
+
+    /// Objects that don't stand to the base as they did, and aren't left out.
+    fn moved(&self, poses: &[Pose]) -> impl Iterator<Item = usize> {
+        let bases = self.poses.get(self.base).copied().zip(poses.get(self.base).copied());
+        let pairs = self.poses.iter().zip(poses).enumerate();
+        pairs.filter_map(move |(number, (then, now))| {
+            let (base, base_now) = bases?;
+            let is_still = self.moves[number] || is_same(&Relative::new(&base, then), &Relative::new(&base_now, now));
+            (!is_still).then_some(number)
+        })
     }
 
     /// The rotation from the world at a frame into the world as it was when transfer was baked.
     pub(crate) fn baked_from_world(&self, poses: &[Pose]) -> DMat3 {
         let turn = |pose: Option<&Pose>| pose.map_or(DQuat::IDENTITY, |pose| pose.rotation.as_dquat().normalize());
-        DMat3::from_quat(turn(self.poses.first()) * turn(poses.first()).conjugate())
+        DMat3::from_quat(turn(self.poses.get(self.base)) * turn(poses.get(self.base)).conjugate())
+    }
+
+    /// The same with scale and place.
+    pub(crate) fn pose_from_world(&self, poses: &[Pose]) -> Pose {
+        match (self.poses.get(self.base), poses.get(self.base)) {
+            (Some(then), Some(now)) if then != now => now.inverse().then(then),
+            _ => Pose::IDENTITY,
+        }
     }
 }
 
@@ -126,7 +195,7 @@ mod tests {
         let outer =
             |turn| Pose { scale: 2.5, rotation: Quat::from_rotation_z(turn), translation: Vec3::new(9.0, turn, 1.0) };
         let scene = scene([Motion::Still(at(1.0)), Motion::Still(at(5.0))]);
-        let arrangement = Arrangement::of(&scene).unwrap();
+        let arrangement = Arrangement::of(&scene, Moving::Refuse).unwrap();
         for turn in [0.0, 0.3, 2.0, 6.0] {
             let moved = [at(1.0), at(5.0)].map(|pose| pose.then(&outer(turn)));
             arrangement.check(&moved, &scene.objects, 3).unwrap();
@@ -141,9 +210,20 @@ mod tests {
     #[test]
     fn who_moves_is_named() {
         let keys = Motion::Keyframes(vec![(0.5, at(1.0)), (1.0, at(2.0))]);
-        let error = Arrangement::of(&scene([Motion::Still(at(0.0)), keys.clone()])).unwrap_err().to_string();
+        let error =
+            Arrangement::of(&scene([Motion::Still(at(0.0)), keys.clone()]), Moving::Refuse).unwrap_err().to_string();
         assert!(error.contains("`o1` moves against `o0` by frame 16") && error.contains("shadow-field"), "{error}");
         let together = Motion::Keyframes(vec![(0.5, at(4.0)), (1.0, at(5.0))]);
-        assert!(Arrangement::of(&scene([keys, together])).is_ok());
+        assert!(Arrangement::of(&scene([keys.clone(), together]), Moving::Refuse).is_ok());
+        // Whoever stands still is what others move against, whatever the order.
+        let scene = scene([keys, Motion::Still(at(0.0))]);
+        let arrangement = Arrangement::of(&scene, Moving::Volume).unwrap();
+        assert!(
+            arrangement.moves(0)
+                && !arrangement.moves(1)
+                && arrangement.at_rest(&scene).objects[0].mesh.positions.is_empty()
+        );
+        let error = Arrangement::of(&scene, Moving::Refuse).unwrap_err().to_string();
+        assert!(error.contains("`o0` moves against `o1`"), "{error}");
     }
 }

@@ -1,7 +1,7 @@
 //! Rows that are finished are cached in chunks: who is interrupted goes on from there.
 
 use halfshade_scene::{
-    Cache, Frame, Material, Mesh, Progress,
+    Cache, Frame, Material, Mesh, Progress, SceneError,
     cache::{CacheKey, CacheSource},
     mesh::AlphaMask,
 };
@@ -50,7 +50,7 @@ impl<'a> Chunks<'a> {
                     .collect())
             };
             let found = self.cache.get_or_compute(&key.clone().value(&(first as u64)), is_whole, compute);
-            let (chunk, outcome) = found.map_err(|error| StrategyError::Failed(error.to_string()))?;
+            let (chunk, outcome) = found.map_err(told)?;
             if outcome.source == CacheSource::Read {
                 self.progress.advance(range.len() as u64);
             }
@@ -59,6 +59,11 @@ impl<'a> Chunks<'a> {
         }
         Ok(all)
     }
+}
+
+/// An error of the cache, as one of the strategy.
+pub(crate) fn told(error: SceneError) -> StrategyError {
+    StrategyError::Failed(error.to_string())
 }
 
 /// The key of what so many directions meet where surfaces are.

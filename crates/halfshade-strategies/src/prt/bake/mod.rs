@@ -14,22 +14,38 @@
 
 pub(crate) mod arrangement;
 mod chunks;
+pub(crate) mod compress;
 pub(crate) mod hemisphere;
 mod passes;
 pub(crate) mod rows;
 mod surface;
 pub(crate) mod table;
+pub(crate) mod volume;
 
-use super::settings::{Settings, TransferKind};
+use super::{
+    kernel::{dot::PADDING, grid::Grid},
+    settings::{Settings, TransferKind},
+};
+use arrangement::Arrangement;
 use chunks::{Chunks, colour_key, shape_key};
-use halfshade_scene::{Cache, Progress, Scene};
+use compress::Clusters;
+use halfshade_scene::{Cache, Frame, Progress, Scene};
 use halfshade_strategy::StrategyError;
 use hemisphere::Hemisphere;
 use passes::Passes;
 use rayon::prelude::*;
 use rows::Rows;
 use surface::Surfaces;
-use table::{PADDING, Transfer};
+use table::Transfer;
+use volume::{Probes, Volume};
+
+/// Everything that is baked of a scene.
+#[derive(Debug)]
+pub(crate) struct Baked {
+    pub(crate) transfer: Transfer,
+    /// Light for objects that move, if any do.
+    pub(crate) volume: Option<Volume>,
+}
 
 /// Transfer vectors of a scene.
 ///
@@ -37,37 +53,78 @@ use table::{PADDING, Transfer};
 /// Those of the cache.
 pub(crate) fn bake(
     scene: &Scene,
+    arrangement: &Arrangement,
     settings: &Settings,
     cache: &Cache,
     progress: &dyn Progress,
-) -> Result<Transfer, StrategyError> {
-    let frame = scene.frame(0);
+) -> Result<Baked, StrategyError> {
+    let grid = volume::of_movers(scene, arrangement).map(|bounds| Grid::around(bounds, settings.volume_steps));
     let is_traced = settings.transfer != TransferKind::Unshadowed;
+    let own = match grid {
+        Some(_) if is_traced => volume::of_bodies(scene, arrangement, settings.directions, cache, progress)?,
+        _ => Vec::new(),
+    };
+    let scene = &*arrangement.at_rest(scene);
+    let frame = scene.frame(0);
     let bounces = if settings.transfer == TransferKind::Interreflected { scene.bounces } else { 0 };
     let rows = Rows::new(&frame, is_traced);
-    progress.start("transfer", (rows.points.len() * (1 + bounces)) as u64);
+    let probe_count = grid.as_ref().map_or(0, Grid::len);
+    progress.start("transfer", (rows.points.len() * (1 + bounces) + probe_count) as u64);
     let hemisphere = Hemisphere::new(settings.bands, settings.directions);
     let objects = scene.objects.iter().map(|object| object.mesh.clone()).zip(rows.objects.iter().copied()).collect();
-    let mut transfer = Transfer { bands: settings.bands, channels: 1, bounces, objects, values: Vec::new() };
-    if !is_traced {
+    let mut transfer =
+        Transfer { bands: settings.bands, channels: 1, bounces, objects, values: Vec::new(), clusters: None };
+    let volume = if !is_traced {
         let open = |(_, normal): &_| hemisphere.open(*normal).into_iter().map(|value| value as f32);
         transfer.values = rows.points.par_iter().flat_map_iter(open).collect();
-        progress.advance(rows.points.len() as u64);
+        progress.advance((rows.points.len() + probe_count) as u64);
+        grid.map(|grid| Volume::open(grid, settings.bands))
     } else {
-        let shape = shape_key(&frame, settings.directions);
         let surfaces = Surfaces::new(&frame, &rows);
         let chunks = Chunks::new(cache, progress);
         let passes = Passes { hemisphere: &hemisphere, surfaces: &surfaces, points: &rows.points, chunks: &chunks };
-        let direct = passes.direct(&shape)?;
-        transfer.values = direct.iter().flat_map(|direct| &direct.values).copied().collect();
-        let channels = if surfaces.are_grey() { 1 } else { 3 };
-        for bounce in 1..=bounces {
-            let key = colour_key(&shape, &frame, settings.bands).value(&(bounce as u64));
-            transfer.values = passes.bounce(&key, &direct, &transfer, channels)?;
-            transfer.channels = channels;
-        }
-    }
+        trace(&frame, &passes, &mut transfer, grid)?
+    };
     transfer.values.iter_mut().filter(|value| !value.is_finite()).for_each(|value| *value = 0.0);
+    transfer.clusters = Clusters::of(&transfer.values, transfer.width(), settings, cache, progress)?;
+    if transfer.clusters.is_some() {
+        transfer.values = Vec::new();
+    }
     transfer.values.extend([0.0; PADDING]);
-    Ok(transfer)
+    Ok(Baked { transfer, volume: volume.map(|volume| Volume { own, ..volume }) })
+}
+
+/// Traces rays from all rows of the table, and from all points of a grid, if there is one.
+fn trace(
+    frame: &Frame<'_>,
+    passes: &Passes<'_>,
+    transfer: &mut Transfer,
+    grid: Option<Grid>,
+) -> Result<Option<Volume>, StrategyError> {
+    let Passes { hemisphere, surfaces, chunks, .. } = passes;
+    let (bands, directions) = (transfer.bands, hemisphere.count());
+    let shape = shape_key(frame, directions);
+    let direct = passes.direct(&shape)?;
+    transfer.values = direct.iter().flat_map(|direct| &direct.values).copied().collect();
+    let channels = if transfer.bounces == 0 || surfaces.are_grey() { 1 } else { 3 };
+    let key = |bounce: usize| colour_key(&shape, frame, bands).value(&(bounce as u64));
+    // Light that arrives at a point has been reflected once less than light that leaves a receiver there.
+    let volume = |reflected: Option<&Transfer>| -> Result<Option<Volume>, StrategyError> {
+        let Some(grid) = grid else { return Ok(None) };
+        let key = key(reflected.map_or(0, |transfer| transfer.bounces)).value(&grid.key());
+        let probes = Probes { grid, surfaces, chunks, directions, bands };
+        Ok(Some(probes.volume(&key, reflected, channels)?))
+    };
+    if transfer.bounces == 0 {
+        return volume(None);
+    }
+    let mut found = None;
+    for bounce in 1..=transfer.bounces {
+        if bounce == transfer.bounces {
+            found = volume(Some(transfer))?;
+        }
+        transfer.values = passes.bounce(&key(bounce), &direct, transfer, channels)?;
+        transfer.channels = channels;
+    }
+    Ok(found)
 }

@@ -96,10 +96,9 @@ impl Passes<'_> {
 /// Adds `weight · albedo · T` of a row, channel by channel.
 fn add_row(sum: &mut [f64], before: &Transfer, row: usize, weight: f64, albedo: Vec3) {
     let count = before.bands * before.bands;
-    let vectors = &before.values[row * before.width()..];
     for (channel, sum) in sum.chunks_exact_mut(count).enumerate() {
-        let vector = &vectors[if before.channels == 1 { 0 } else { channel * count }..][..count];
         let factor = weight * f64::from(albedo[channel]);
+        let vector = before.vector(row, channel);
         sum.iter_mut().zip(vector).for_each(|(sum, &value)| *sum += factor * f64::from(value));
     }
 }

@@ -19,6 +19,15 @@ struct PlacedObject {
     rows: ObjectRows,
 }
 
+/// A surface that a ray meets.
+pub(crate) enum Met {
+    Reflector(Reflector),
+    /// It reflects nothing.
+    Dark,
+    /// A solid, from within.
+    Inside,
+}
+
 /// A point that a ray meets and that reflects.
 pub(crate) struct Reflector {
     pub(crate) albedo: Vec3,
@@ -41,19 +50,27 @@ impl Surfaces {
     }
 
     /// The first surface on the way of such a ray, if it reflects any light.
-    pub(crate) fn reflector(&self, (position, normal): (Vec3, Vec3), direction: Vec3) -> Option<Reflector> {
+    pub(crate) fn reflector(&self, start: (Vec3, Vec3), direction: Vec3) -> Option<Reflector> {
+        match self.met(start, direction) {
+            Some(Met::Reflector(reflector)) => Some(reflector),
+            _ => None,
+        }
+    }
+
+    /// The first surface on the way of such a ray.
+    pub(crate) fn met(&self, (position, normal): (Vec3, Vec3), direction: Vec3) -> Option<Met> {
         let (number, crossing) = Occlusion::new(&self.meshes, &self.rays).first_hit(position, normal, direction)?;
         let PlacedObject { object, rows, .. } = &self.objects[number as usize];
         let (triangle, weights) = (crossing.triangle as usize, crossing.weights());
         let first = match (self.is_from_behind(number as usize, &crossing, direction), rows.back) {
             (false, _) => rows.first,
             (true, Back::Rows(back)) => back,
-            (true, Back::Dark | Back::Open) => return None,
+            (true, Back::Dark | Back::Open) => return Some(Met::Inside),
         };
         let albedo = object.albedo_at(triangle, weights);
         let vertices = object.mesh.triangles[triangle].map(|vertex| first + vertex as usize);
         let rows = std::array::from_fn(|k| (vertices[k], weights[k]));
-        (albedo != Vec3::ZERO).then_some(Reflector { albedo, rows })
+        Some(if albedo == Vec3::ZERO { Met::Dark } else { Met::Reflector(Reflector { albedo, rows }) })
     }
 
     /// Whether a ray along `direction` meets the side of a triangle that its vertices' normals point away from, whichever way

@@ -1,11 +1,9 @@
 //! The table of transfer vectors.
 
-use super::rows::ObjectRows;
+use super::{compress::Clusters, rows::ObjectRows};
+use crate::prt::kernel::dot::PADDING;
 use halfshade_scene::Mesh;
 use std::sync::Arc;
-
-/// Numbers past the end of a table, so that eight at a time can be read from anywhere.
-pub(crate) const PADDING: usize = 7;
 
 /// Transfer vectors of a scene, in the world as it is at the first frame.
 #[derive(Debug)]
@@ -17,6 +15,8 @@ pub(crate) struct Transfer {
     pub(crate) objects: Vec<(Arc<Mesh>, ObjectRows)>,
     /// Vectors of bands² numbers, and 7 zeros at the end.
     pub(crate) values: Vec<f32>,
+    /// Stored instead of those, which are none then, where they are compressed.
+    pub(crate) clusters: Option<Clusters>,
 }
 
 impl Transfer {
@@ -25,12 +25,33 @@ impl Transfer {
         self.channels * self.bands * self.bands
     }
 
+    /// The vector of a row for a channel, before anything is compressed.
+    pub(crate) fn vector(&self, row: usize, channel: usize) -> &[f32] {
+        let count = self.bands * self.bands;
+        let channel = if self.channels == 1 { 0 } else { channel };
+        &self.values[row * self.width() + channel * count..][..count]
+    }
+
     /// All rows, without the padding.
     pub(crate) fn rows(&self) -> &[f32] {
         &self.values[..self.values.len() - PADDING]
     }
 
-    pub(crate) fn bytes(&self) -> usize {
-        size_of_val(self.values.as_slice())
+    /// Number of rows, compressed or not.
+    pub(crate) fn row_count(&self) -> usize {
+        self.clusters.as_ref().map_or(self.rows().len() / self.width(), |clusters| clusters.of_row.len())
+    }
+
+    /// Bytes by part.
+    pub(crate) fn parts(&self) -> Vec<(&'static str, usize)> {
+        let bytes = |values: &[f32]| size_of_val(values);
+        match &self.clusters {
+            None => vec![("transfer vectors", bytes(&self.values))],
+            Some(Clusters { of_row, weights, vectors, .. }) => vec![
+                ("means and axes of clusters", bytes(vectors)),
+                ("weights", bytes(weights)),
+                ("clusters of rows", size_of_val(of_row.as_slice())),
+            ],
+        }
     }
 }

@@ -7,6 +7,9 @@
 use halfshade_sh::kernel::{LANES, MAX_BANDS};
 use wide::f32x8;
 
+/// Numbers past the end of a table, so that eight at a time can be read from anywhere.
+pub(crate) const PADDING: usize = LANES - 1;
+
 /// Eights of the longest vector.
 const MOST_EIGHTS: usize = MAX_BANDS * MAX_BANDS / LANES;
 

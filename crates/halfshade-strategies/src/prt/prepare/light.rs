@@ -12,7 +12,7 @@ use wide::f32x8;
 /// The light of the last frame.
 #[derive(Debug)]
 pub(crate) struct FrameLight {
-    bands: usize,
+    pub(crate) bands: usize,
     environment: Environment,
     /// The environment's vectors in its own space, which a turn doesn't change.
     projected: [Vec<f64>; 3],

@@ -1,3 +1,5 @@
 //! Once per frame: light in the space that transfer was baked in.
 
 pub(crate) mod light;
+pub(crate) mod products;
+pub(crate) mod turns;

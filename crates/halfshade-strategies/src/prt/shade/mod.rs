@@ -1,6 +1,8 @@
 //! Receivers, eight at a time.
 
+pub(crate) mod clusters;
 pub(crate) mod place;
+pub(crate) mod volume;
 
 use super::{
     bake::table::Transfer,
@@ -33,26 +35,14 @@ impl Prepared for Shader<'_> {
 }
 
 impl Shader<'_> {
-    fn shade_all<const N: usize, const C: usize>(&self, receivers: Receivers<'_>, mut out: RadianceMut<'_>) {
-        for start in (0..receivers.len()).step_by(LANES) {
-            let lanes = (receivers.len() - start).min(LANES);
-            let white = match first_of_eight(self.transfer, &receivers, start) {
-                Some(first) => {
-                    let table = &self.transfer.values[first * C * N..];
-                    added(|lane| of_row::<N, C>(&table[lane * C * N..], &self.light.vectors))
-                }
-                None => self.anywhere::<N, C>(&receivers, start, lanes),
-            };
-            for ((out, albedo), white) in out.channels.iter_mut().zip(receivers.albedo).zip(white) {
-                match (out[start..].first_chunk_mut::<LANES>(), albedo[start..].first_chunk::<LANES>()) {
-                    (Some(out), Some(albedo)) => *out = (f32x8::from(*albedo) * white).to_array(),
-                    _ => {
-                        let rest = out[start..].iter_mut().zip(&albedo[start..]).zip(white.to_array());
-                        rest.for_each(|((out, albedo), white)| *out = albedo * white);
-                    }
-                }
+    fn shade_all<const N: usize, const C: usize>(&self, receivers: Receivers<'_>, out: RadianceMut<'_>) {
+        by_eights(receivers, out, |start, lanes| match first_of_eight(self.transfer, &receivers, start) {
+            Some(first) => {
+                let table = &self.transfer.values[first * C * N..];
+                added(|lane| of_row::<N, C>(&table[lane * C * N..], &self.light.vectors))
             }
-        }
+            None => self.anywhere::<N, C>(&receivers, start, lanes),
+        });
     }
 
     /// Radiance of white receivers that lie anywhere.
@@ -62,31 +52,66 @@ impl Shader<'_> {
         start: usize,
         lanes: usize,
     ) -> [f32x8; 3] {
-        let places: [Place; LANES] = std::array::from_fn(|lane| {
-            if lane < lanes { Place::of(self.transfer, receivers, start + lane) } else { Place::Dark }
-        });
-        let mut white = added(|lane| match &places[lane] {
+        let places = places(self.transfer, receivers, start, lanes);
+        let white = added(|lane| match &places[lane] {
             Place::Between(between) => between_rows::<N, C>(&self.transfer.values, between, &self.light.vectors),
             Place::Dark | Place::Open => [f32x8::ZERO; 3],
         });
-        if places.contains(&Place::Open) {
-            let is_open = f32x8::from(places.map(|place| if place == Place::Open { 1.0 } else { 0.0 }));
-            let open = self.open::<N>(receivers, start, lanes);
-            (0..3).for_each(|c| white[c] = is_open.simd_gt(f32x8::ZERO).select(open[c], white[c]));
-        }
-        white
+        with_open::<N>(white, &places, self.light, receivers, start)
     }
+}
 
-    /// Radiance of white receivers that see everything.
-    fn open<const N: usize>(&self, receivers: &Receivers<'_>, start: usize, lanes: usize) -> [f32x8; 3] {
-        let FrameLight { coefficients, baked_from_world, cosine, .. } = self.light;
-        let normals: [glam::Vec3; LANES] =
-            std::array::from_fn(|lane| *baked_from_world * receivers.normal_at(start + lane.min(lanes - 1)));
-        let normal = std::array::from_fn(|axis| f32x8::from(normals.map(|normal| normal[axis])));
-        let transfer = kernel::times_bands(&kernel::basis::<f32x8, N>(normal), cosine);
-        coefficients.each_ref().map(|light| {
-            let products = transfer.iter().zip(light);
-            products.fold(f32x8::ZERO, |sum, (t, &l)| t.mul_add(f32x8::splat(l), sum))
-        })
+/// Writes radiance of receivers, eight by eight, given that of white ones from a number on, of which so many are asked for.
+pub(crate) fn by_eights(
+    receivers: Receivers<'_>,
+    mut out: RadianceMut<'_>,
+    white: impl Fn(usize, usize) -> [f32x8; 3],
+) {
+    for start in (0..receivers.len()).step_by(LANES) {
+        let white = white(start, (receivers.len() - start).min(LANES));
+        for ((out, albedo), white) in out.channels.iter_mut().zip(receivers.albedo).zip(white) {
+            match (out[start..].first_chunk_mut::<LANES>(), albedo[start..].first_chunk::<LANES>()) {
+                (Some(out), Some(albedo)) => *out = (f32x8::from(*albedo) * white).to_array(),
+                _ => {
+                    let rest = out[start..].iter_mut().zip(&albedo[start..]).zip(white.to_array());
+                    rest.for_each(|((out, albedo), white)| *out = albedo * white);
+                }
+            }
+        }
     }
+}
+
+/// Places of so many receivers from a number on.
+pub(crate) fn places(transfer: &Transfer, receivers: &Receivers<'_>, start: usize, lanes: usize) -> [Place; LANES] {
+    std::array::from_fn(|lane| if lane < lanes { Place::of(transfer, receivers, start + lane) } else { Place::Dark })
+}
+
+/// Radiance of eight white receivers, those in the open added.
+pub(crate) fn with_open<const N: usize>(
+    mut white: [f32x8; 3],
+    places: &[Place; LANES],
+    light: &FrameLight,
+    receivers: &Receivers<'_>,
+    start: usize,
+) -> [f32x8; 3] {
+    if places.contains(&Place::Open) {
+        let is_open = f32x8::from(places.map(|place| if place == Place::Open { 1.0 } else { 0.0 }));
+        let open = open::<N>(light, receivers, start);
+        (0..3).for_each(|c| white[c] = is_open.simd_gt(f32x8::ZERO).select(open[c], white[c]));
+    }
+    white
+}
+
+/// Radiance of white receivers that see everything.
+fn open<const N: usize>(light: &FrameLight, receivers: &Receivers<'_>, start: usize) -> [f32x8; 3] {
+    let FrameLight { coefficients, baked_from_world, cosine, .. } = light;
+    let last = receivers.len() - 1;
+    let normals: [glam::Vec3; LANES] =
+        std::array::from_fn(|lane| *baked_from_world * receivers.normal_at((start + lane).min(last)));
+    let normal = std::array::from_fn(|axis| f32x8::from(normals.map(|normal| normal[axis])));
+    let transfer = kernel::times_bands(&kernel::basis::<f32x8, N>(normal), cosine);
+    coefficients.each_ref().map(|light| {
+        let products = transfer.iter().zip(light);
+        products.fold(f32x8::ZERO, |sum, (t, &l)| t.mul_add(f32x8::splat(l), sum))
+    })
 }

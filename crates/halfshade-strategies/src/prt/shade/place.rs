@@ -1,11 +1,15 @@
 //! Where a receiver is in the table of transfer.
 
 use crate::prt::{
-    bake::{rows::Back, table::Transfer},
+    bake::{
+        rows::{Back, ObjectRows},
+        table::Transfer,
+    },
     kernel::dot::Between,
 };
-use halfshade_scene::{Receivers, SurfacePoint};
+use halfshade_scene::{Mesh, Receivers, SurfacePoint};
 use halfshade_sh::kernel::LANES;
+use std::sync::Arc;
 
 /// Transfer of a receiver.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,8 +25,12 @@ pub enum Place {
 impl Place {
     /// That of receiver `i`.
     pub(crate) fn of(transfer: &Transfer, receivers: &Receivers<'_>, i: usize) -> Self {
-        let Some((mesh, rows)) = transfer.objects.get(receivers.object[i] as usize) else { return Self::Open };
-        let surface = receivers.surface[i];
+        let place = |object: &(Arc<Mesh>, ObjectRows)| Self::on(object, receivers.surface[i]);
+        transfer.objects.get(receivers.object[i] as usize).map_or(Self::Open, place)
+    }
+
+    /// That of a point on an object.
+    pub(crate) fn on((mesh, rows): &(Arc<Mesh>, ObjectRows), surface: SurfacePoint) -> Self {
         let Some(weights) = surface.weights(mesh) else { return Self::Open };
         let is_from_behind = matches!(surface, SurfacePoint::Triangle { from_behind: true, .. });
         let first = match rows.back {

@@ -3,14 +3,19 @@
 //! A receiver on no triangle gets a row of its own when it is placed, of the light that an open sky would send it: kernels know no
 //! spherical harmonics.
 
+mod clusters;
+mod too_large;
+
+pub use clusters::{ClusterBetween, ClusterUniforms};
+
 use crate::{
-    GpuError,
     kernels::PRT,
     receivers::KernelSpace,
     rows::in_fours,
     runner::{Bench, Runner, Uploaded},
 };
 use bytemuck::{Pod, Zeroable};
+use clusters::ClusteredOnGpu;
 use glam::DMat3;
 use halfshade_scene::{Cache, Frame, Progress, Receivers, Scene};
 use halfshade_strategies::{
@@ -21,6 +26,7 @@ use halfshade_strategies::{
     },
 };
 use halfshade_strategy::{Baked, Detail, Footprint, Info, Params, Prepared, Strategy, StrategyError};
+use too_large::told;
 
 /// Rows of four of the longest vector.
 const MOST_PARTS: usize = 16;
@@ -74,7 +80,14 @@ impl Strategy for PrtOnGpu {
 
     fn bake(&self, scene: &Scene, params: &Params, progress: &dyn Progress) -> Result<Box<dyn Baked>, StrategyError> {
         let baked = self.strategy.bake_scene(scene, params, progress)?;
-        let SceneArrays { bands, channels, .. } = baked.scene_arrays();
+        if baked.has_movers() {
+            let reason = "volumes of light have no kernel on the graphics device; take device `cpu`";
+            return Err(StrategyError::Unsupported(reason.into()));
+        }
+        let SceneArrays { bands, channels, clusters, .. } = baked.scene_arrays();
+        if clusters.is_some() {
+            return Ok(Box::new(ClusteredOnGpu::new(&self.bench, baked)?));
+        }
         let constants = [("PARTS", parts(bands) as f64), ("CHANNELS", channels as f64)];
         let runner = Runner::new(&self.bench, &PRT, None, &constants, size_of::<FrameUniforms>())?;
         Ok(Box::new(BakedOnGpu { baked, runner }))
@@ -100,7 +113,7 @@ impl FrameUniforms {
 impl BakedOnGpu {
     /// Rows of the table and of those receivers that lie on no triangle, and where each receiver lies between them.
     fn rows(&self, frame: &Frame<'_>, receivers: Receivers<'_>) -> (Vec<[f32; 4]>, Vec<Between>) {
-        let SceneArrays { bands, channels, rows } = self.baked.scene_arrays();
+        let SceneArrays { bands, channels, rows, .. } = self.baked.scene_arrays();
         let per_row = channels * parts(bands);
         let mut fours: Vec<[f32; 4]> = rows.chunks_exact(bands * bands).flat_map(in_fours).collect();
         let mut points = Vec::with_capacity(receivers.len());
@@ -151,15 +164,5 @@ impl Baked for BakedOnGpu {
         self.runner.place_objects(frame, &KernelSpace::of_points(places, DMat3::IDENTITY))?;
         self.runner.upload()?;
         Ok(Box::new(Uploaded(&self.runner)))
-    }
-}
-
-/// An error, told with what to take instead if vectors are larger than the device can bind.
-fn told(error: GpuError) -> StrategyError {
-    match error {
-        GpuError::TooLarge { bytes, limit, .. } => StrategyError::Unsupported(format!(
-            "transfer vectors take {bytes} bytes, but the graphics device binds {limit} at most; take fewer bands, or device `cpu`"
-        )),
-        error => error.into(),
     }
 }
