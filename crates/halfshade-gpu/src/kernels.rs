@@ -334,8 +334,8 @@ pub const SHADOW_FIELD: Kernel = Kernel {
             reason: "a table on the CPU, its formula on the device",
         },
         Twin {
-            shader: "shadow_field/cosine_power.wgsl",
-            cpu: "halfshade_strategies::shadow_field::kernel::cosine_power",
+            shader: "shared/cosine_power.wgsl",
+            cpu: "halfshade_strategies::shared::cosine_power",
             tolerance: 1e-6,
             reason: "rounding",
         },

@@ -47,7 +47,7 @@ impl MinimumSearch {
         Self { bands, directions, basis }
     }
 
-    /// The minimum of a function over the sphere: that of the lowest samples, each followed down to within 1e-7 radians.
+    /// The minimum of a function over the sphere: that of the lowest samples, each followed down to within 1e-6 radians.
     ///
     /// # Panics
     /// If the function has another number of coefficients.
@@ -77,8 +77,8 @@ impl MinimumSearch {
             return Window::None;
         }
         let mut lambda = 0.0;
-        // Each round lifts one more direction; more than a few are never needed.
-        for _ in 0..64 {
+        // Each round lifts one more direction, and comes nearer by the square.
+        for _ in 0..32 {
             let mut windowed = function.to_vec();
             Window::Laplacian { lambda }.apply(&mut windowed);
             let lowest = self.minimum(&windowed);
@@ -116,23 +116,45 @@ fn sums_of_bands(function: &[f64], direction: [f64; 3]) -> Vec<f64> {
     (0..bands).map(|l| (l * l..(l + 1) * (l + 1)).map(|i| function[i] * y[i]).sum()).collect()
 }
 
-/// Follows a function down from a direction, in eight directions around it by steps that are halved where none is lower.
+/// Follows a function down from a direction: to the bottom of the paraboloid through six directions around it, as far as they are
+/// apart at most, which come nearer where none is lower.
 fn descend(function: &[f64], start: Minimum, spacing: f64) -> Minimum {
     let (mut lowest, mut step) = (start, 0.5 * spacing);
-    while step > 1e-7 {
-        let [first, second] = across(lowest.direction);
-        let around = [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1)];
-        let next = around.into_iter().map(|(a, b)| {
-            let shifted: [f64; 3] = std::array::from_fn(|i| {
-                lowest.direction[i] + step * (f64::from(a) * first[i] + f64::from(b) * second[i])
-            });
+    let mut y = vec![0.0; function.len()];
+    // Far more often than it takes.
+    for _ in 0..200 {
+        if step < 1e-6 {
+            break;
+        }
+        let middle = lowest;
+        let axes = across(middle.direction);
+        let mut look = |[a, b]: [f64; 2]| {
+            let shifted: [f64; 3] =
+                std::array::from_fn(|i| middle.direction[i] + step * (a * axes[0][i] + b * axes[1][i]));
             let length = basis::magnitude(&shifted);
             let direction = shifted.map(|value| value / length);
-            Minimum { direction, value: basis::reconstruct(function, direction) }
-        });
-        match next.reduce(|a, b| if b.value < a.value { b } else { a }) {
-            Some(found) if found.value < lowest.value => lowest = found,
-            _ => step *= 0.5,
+            basis::evaluate_into(function.len().isqrt(), direction, &mut y);
+            let value = basis::dot(function, &y);
+            if value < lowest.value {
+                lowest = Minimum { direction, value };
+            }
+            value - middle.value
+        };
+        let [east, west, north, south, both] =
+            [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [1.0, 1.0]].map(&mut look);
+        let slope = [0.5 * (east - west), 0.5 * (north - south)];
+        let bend = [east + west, north + south, both - east - north];
+        let determinant = bend[0] * bend[1] - bend[2] * bend[2];
+        if determinant > 0.0 && bend[0] > 0.0 {
+            let jump = [
+                (bend[2] * slope[1] - bend[1] * slope[0]) / determinant,
+                (bend[2] * slope[0] - bend[0] * slope[1]) / determinant,
+            ];
+            look(jump.map(|value| value.clamp(-1.0, 1.0)));
+        }
+        let moved = (0..3).map(|i| (lowest.direction[i] - middle.direction[i]).powi(2)).sum::<f64>().sqrt();
+        if moved < 0.5 * step {
+            step *= 0.25;
         }
     }
     lowest

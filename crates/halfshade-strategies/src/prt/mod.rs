@@ -36,11 +36,14 @@ mod settings;
 mod shade;
 
 use bake::{arrangement::Arrangement, bake, table::Transfer};
-use halfshade_scene::{Cache, Frame, Progress, Scene};
+use halfshade_scene::{Cache, EyeLobes, Frame, Progress, Scene};
 use halfshade_strategy::{Baked, Detail, Effect, Effects, Footprint, Info, Params, Prepared, Strategy, StrategyError};
-use prepare::light::FrameLight;
+use prepare::{light::FrameLight, shaped::LightShape};
 use settings::Settings;
-use shade::Shader;
+use shade::{
+    Shader,
+    gloss::{GlossShader, LobeFits},
+};
 
 /// The strategy.
 #[derive(Debug, Clone, Default)]
@@ -54,6 +57,8 @@ pub struct BakedScene {
     transfer: Transfer,
     arrangement: Arrangement,
     light: FrameLight,
+    /// Nothing where no object is glossy.
+    lobes: Option<LobeFits>,
 }
 
 impl Prt {
@@ -72,12 +77,13 @@ impl Prt {
         params: &Params,
         progress: &dyn Progress,
     ) -> Result<BakedScene, StrategyError> {
-        let settings = Settings::read(params);
+        let settings = Settings::of(params);
         let arrangement = Arrangement::of(scene)?;
         Ok(BakedScene {
             transfer: bake(scene, &settings, &self.cache, progress)?,
+            lobes: scene.is_glossy().then(|| LobeFits::new(settings.bands)),
             arrangement,
-            light: FrameLight::new(settings.bands, &scene.environment),
+            light: FrameLight::new(LightShape::new(&settings), settings.bands, &scene.environment),
         })
     }
 }
@@ -93,6 +99,7 @@ impl Strategy for Prt {
             effects: Effects::of(&[
                 Effect::EnvironmentLight,
                 Effect::ColouredLight,
+                Effect::GlossyReflectance,
                 Effect::Interreflection,
                 Effect::Motion,
             ]),
@@ -119,7 +126,11 @@ impl BakedScene {
 
 impl Baked for BakedScene {
     fn footprint(&self) -> Footprint {
-        Footprint { parts: vec![("transfer vectors", self.transfer.bytes()), ("light", self.light.bytes())] }
+        let mut parts = vec![("transfer vectors", self.transfer.bytes()), ("light", self.light.bytes())];
+        if let Some((table, fits)) = self.transfer.gloss.as_ref().zip(self.lobes.as_ref()) {
+            parts.push(("transfer matrices", table.bytes() + fits.bytes()));
+        }
+        Footprint { parts }
     }
 
     fn details(&self) -> Vec<Detail> {
@@ -134,6 +145,8 @@ impl Baked for BakedScene {
 
     fn prepare(&mut self, frame: &Frame<'_>) -> Result<Box<dyn Prepared + '_>, StrategyError> {
         self.prepare_frame(frame)?;
-        Ok(Box::new(Shader { transfer: &self.transfer, light: &self.light }))
+        let gloss = (self.transfer.gloss.as_ref().zip(self.lobes.as_ref())).zip(EyeLobes::new(frame));
+        let gloss = gloss.map(|((table, fits), lobes)| GlossShader { table, fits, light: &self.light, lobes });
+        Ok(Box::new(Shader { transfer: &self.transfer, light: &self.light, gloss }))
     }
 }

@@ -3,5 +3,7 @@
 mod closed_forms;
 mod convergence;
 mod ends;
+mod gloss;
 mod motion;
+mod ringing;
 mod scenes;

@@ -14,14 +14,17 @@
 
 pub(crate) mod arrangement;
 mod chunks;
+pub(crate) mod gloss;
 pub(crate) mod hemisphere;
 mod passes;
 pub(crate) mod rows;
 mod surface;
 pub(crate) mod table;
+mod windowed;
 
 use super::settings::{Settings, TransferKind};
 use chunks::{Chunks, colour_key, shape_key};
+use gloss::{GlossPasses, GlossTable};
 use halfshade_scene::{Cache, Progress, Scene};
 use halfshade_strategy::StrategyError;
 use hemisphere::Hemisphere;
@@ -48,10 +51,15 @@ pub(crate) fn bake(
     progress.start("transfer", (rows.points.len() * (1 + bounces)) as u64);
     let hemisphere = Hemisphere::new(settings.bands, settings.directions);
     let objects = scene.objects.iter().map(|object| object.mesh.clone()).zip(rows.objects.iter().copied()).collect();
-    let mut transfer = Transfer { bands: settings.bands, channels: 1, bounces, objects, values: Vec::new() };
+    let mut transfer =
+        Transfer { bands: settings.bands, channels: 1, bounces, objects, values: Vec::new(), gloss: None };
+    let is_coloured = bounces > 0 && !scene.objects.iter().all(|object| object.is_grey());
+    let channels = if is_coloured { 3 } else { 1 };
+    let gloss = GlossTable::plan(&frame, &rows, settings.bands, channels)?;
     if !is_traced {
         let open = |(_, normal): &_| hemisphere.open(*normal).into_iter().map(|value| value as f32);
         transfer.values = rows.points.par_iter().flat_map_iter(open).collect();
+        transfer.gloss = gloss.map(|gloss| gloss.open(&rows.points, settings.bands));
         progress.advance(rows.points.len() as u64);
     } else {
         let shape = shape_key(&frame, settings.directions);
@@ -60,13 +68,24 @@ pub(crate) fn bake(
         let passes = Passes { hemisphere: &hemisphere, surfaces: &surfaces, points: &rows.points, chunks: &chunks };
         let direct = passes.direct(&shape)?;
         transfer.values = direct.iter().flat_map(|direct| &direct.values).copied().collect();
-        let channels = if surfaces.are_grey() { 1 } else { 3 };
+        let gloss_passes = gloss.is_some().then(|| GlossPasses::new(&passes, &direct, settings.bands));
+        let mut gloss = gloss.zip(gloss_passes);
         for bounce in 1..=bounces {
             let key = colour_key(&shape, &frame, settings.bands).value(&(bounce as u64));
+            if bounce == bounces
+                && let Some((table, passes)) = gloss.take()
+            {
+                let key = table.key(&key);
+                transfer.gloss = Some(passes.fill(table, channels, Some((&transfer, &key)))?);
+            }
             transfer.values = passes.bounce(&key, &direct, &transfer, channels)?;
             transfer.channels = channels;
         }
+        if let Some((table, passes)) = gloss {
+            transfer.gloss = Some(passes.fill(table, channels, None)?);
+        }
     }
+    windowed::window(&mut transfer.values, settings);
     transfer.values.iter_mut().filter(|value| !value.is_finite()).for_each(|value| *value = 0.0);
     transfer.values.extend([0.0; PADDING]);
     Ok(transfer)

@@ -1,6 +1,6 @@
 //! The table of transfer vectors.
 
-use super::rows::ObjectRows;
+use super::{gloss::GlossTable, rows::ObjectRows};
 use halfshade_scene::Mesh;
 use std::sync::Arc;
 
@@ -17,6 +17,8 @@ pub(crate) struct Transfer {
     pub(crate) objects: Vec<(Arc<Mesh>, ObjectRows)>,
     /// Vectors of bands² numbers, and 7 zeros at the end.
     pub(crate) values: Vec<f32>,
+    /// Matrices of glossy objects, as many per row as there are vectors; nothing where none is glossy.
+    pub(crate) gloss: Option<GlossTable>,
 }
 
 impl Transfer {

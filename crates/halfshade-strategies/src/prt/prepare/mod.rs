@@ -1,3 +1,4 @@
 //! Once per frame: light in the space that transfer was baked in.
 
 pub(crate) mod light;
+pub(crate) mod shaped;

@@ -1,5 +1,6 @@
 //! Receivers, eight at a time.
 
+pub(crate) mod gloss;
 pub(crate) mod place;
 
 use super::{
@@ -7,6 +8,7 @@ use super::{
     kernel::dot::{added, between_rows, of_row},
     prepare::light::FrameLight,
 };
+use gloss::GlossShader;
 use halfshade_scene::{RadianceMut, Receivers};
 use halfshade_sh::{
     dispatch_bands,
@@ -20,6 +22,7 @@ use wide::f32x8;
 pub(crate) struct Shader<'a> {
     pub(crate) transfer: &'a Transfer,
     pub(crate) light: &'a FrameLight,
+    pub(crate) gloss: Option<GlossShader<'a>>,
 }
 
 impl Prepared for Shader<'_> {
@@ -50,6 +53,12 @@ impl Shader<'_> {
                         let rest = out[start..].iter_mut().zip(&albedo[start..]).zip(white.to_array());
                         rest.for_each(|((out, albedo), white)| *out = albedo * white);
                     }
+                }
+            }
+            if let Some(gloss) = &self.gloss {
+                let radiance = gloss.radiance::<N, C>(self.transfer, &receivers, start);
+                for (out, radiance) in out.channels.iter_mut().zip(radiance) {
+                    out[start..].iter_mut().zip(radiance.to_array()).for_each(|(out, radiance)| *out += radiance);
                 }
             }
         }
