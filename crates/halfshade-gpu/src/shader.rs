@@ -34,6 +34,8 @@ sources! {
     "mask/own.wgsl"
     "mask/shade.wgsl"
     "prt/dot.wgsl"
+    "prt/gloss.wgsl"
+    "prt/lobe.wgsl"
     "prt/shade.wgsl"
     "ray_traced/cutout.wgsl"
     "ray_traced/filter.wgsl"

@@ -160,6 +160,10 @@ fn main() -> ExitCode {
             format!("prt({settings})::between_vertices_as_on_the_cpu"),
             Box::new(move |all| prt::compare([on(&all, "prt"), cpu("prt").as_ref()], settings)),
         );
+        add(
+            format!("prt({settings})::shades_gloss_as_on_the_cpu"),
+            Box::new(move |all| prt::shades_gloss([on(&all, "prt"), cpu("prt").as_ref()], settings)),
+        );
     }
     add(
         "shadow-field::what_has_no_kernel_is_refused".to_owned(),
@@ -197,7 +201,7 @@ fn subjects() -> Vec<(&'static str, &'static str, Bounds)> {
     let closed_forms = Bounds { brightening: 1e-5, ..table };
     subjects.extend(["", "own=spheres"].map(|settings| ("analytic", settings, closed_forms)));
     // Light of four bands.
-    let limited = Bounds { constant: 1e-5, quadrature: 0.2, gloss: 0.0, rotation: 1e-4, brightening: 1e-6 };
+    let limited = Bounds { constant: 1e-5, quadrature: 0.2, gloss: 0.3, rotation: 1e-4, brightening: 1e-6 };
     subjects.push(("prt", "directions=16", limited));
     subjects
 }

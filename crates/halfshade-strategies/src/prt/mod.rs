@@ -30,6 +30,7 @@
 
 pub mod arrays;
 mod bake;
+pub mod gloss_arrays;
 mod kernel;
 mod prepare;
 mod settings;

@@ -145,7 +145,7 @@ fn weight_of(reflectance: &Reflectance) -> Weight {
 }
 
 /// The columns of a matrix over the vertex's frame, turned into the world, row by row.
-fn in_world(matrix: &[f64], bands: usize, frame: &DMat3) -> Vec<f64> {
+pub(crate) fn in_world(matrix: &[f64], bands: usize, frame: &DMat3) -> Vec<f64> {
     // Rows of the rotation are the columns of its transpose.
     let rotation = ShRotation::new(bands, &frame.transpose().to_cols_array_2d());
     matrix.chunks_exact(bands * bands).flat_map(|row| rotation.apply(row)).collect()

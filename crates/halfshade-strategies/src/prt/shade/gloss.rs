@@ -3,7 +3,7 @@
 use super::place::Place;
 use crate::prt::{
     bake::{
-        gloss::{GlossTable, LOBE_BANDS},
+        gloss::{GlossTable, LOBE_BANDS, in_world},
         hemisphere::Hemisphere,
         table::Transfer,
     },
@@ -38,6 +38,11 @@ impl LobeFits {
             fits: weights.map(|weight| weight.fit(bands, LOBE_BANDS).into_iter().map(|value| value as f32).collect()),
             grams: weights.map(|weight| weight.gram(bands)),
         }
+    }
+
+    /// The matrix of a vertex that sees everything.
+    pub(crate) fn open_matrix(&self, weight: Weight, bands: usize, frame: &DMat3) -> Vec<f32> {
+        in_world(&self.grams[weight as usize], bands, frame).into_iter().map(|value| value as f32).collect()
     }
 
     pub(crate) fn bytes(&self) -> usize {
