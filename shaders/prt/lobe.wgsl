@@ -1,5 +1,6 @@
 // Glossy lobes times matrices of transfer: twin of `prt/kernel/lobe.rs`.
 #import "common/constants.wgsl"
+#import "prt/dot.wgsl"
 
 // Bands of vectors and matrices.
 override BANDS: u32 = 4u;

@@ -199,7 +199,7 @@ fn matrix_rows(bands: usize, frame: &[Vec3; 2], matrix: &[f32]) -> Vec<[f32; 4]>
 }
 
 /// A fit in rows of four, eight factors for each degree and order below eight, whether there are any or not.
-fn fit_rows(bands: usize, fit: &[f32]) -> Vec<[f32; 4]> {
+pub fn fit_rows(bands: usize, fit: &[f32]) -> Vec<[f32; 4]> {
     let mut rows = vec![[0.0; 4]; 2 * LOBE_BANDS * bands];
     let mut rest = fit;
     for (degree, order) in (0..bands).flat_map(|degree| (0..=degree).map(move |order| (degree, order))) {

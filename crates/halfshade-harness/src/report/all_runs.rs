@@ -15,7 +15,7 @@ pub(super) fn all_runs(results: &Results) -> Table {
                 p99_noise_radiance,max_noise_radiance,resolved,flip,ssim,truth_samples,\
                 truth_rms_standard_error_radiance,unshadowed_mean_radiance,bake_secs,prepare_secs_median,\
                 prepare_secs_mad,shade_secs_median,shade_secs_mad,frames_per_sec,threads,memory_bytes,device,\
-                read_back_secs_median,device_secs_median,streamed_secs_median,latency_secs_median";
+                read_back_secs_median,device_secs_median,streamed_secs_median,latency_secs_median,negative_share";
     let mut rows: Vec<Vec<Cell>> = Vec::new();
     for run in &results.runs {
         let optional = |value: Option<f64>| value.map(|value| value.to_string()).unwrap_or_default();
@@ -83,6 +83,7 @@ pub(super) fn all_runs(results: &Results) -> Table {
             optional(time.and_then(|time| time.device_secs).map(|spread| spread.median)),
             optional(time.and_then(|time| time.streamed_secs).map(|spread| spread.median)),
             optional(time.and_then(|time| time.latency_secs).map(|spread| spread.median)),
+            optional(metric(|m| m.negative)),
         ]);
         rows.push(record.into_iter().map(Cell::text).collect());
     }

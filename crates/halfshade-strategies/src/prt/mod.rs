@@ -14,7 +14,26 @@
 //!
 //! **Space.** Vectors are of the world as it is at the first frame. Objects stand still against each other; the scene may move
 //! and turn as a whole, and the light may turn and change: per frame the light's vector is turned the other way. Anything else
-//! is unsupported, and so are local lights, whose light isn't the same everywhere, and gloss, which would need a matrix.
+//! is unsupported, and so are local lights, whose light isn't the same everywhere.
+//!
+//! **Gloss.** A vertex of a glossy object has a matrix beside its vector, from light to what arrives of it (`bake/gloss.rs`):
+//!
+//! ```text
+//! L_gloss(x) = scale · b^T M(x) l        M_ij = ∫ h(n·ω) V(x, ω) y_i(ω) y_j(ω) dω, and what others send
+//! ```
+//!
+//! with b the lobe's power about its axis, fitted over the hemisphere in the weight h (`halfshade_sh::hemisphere`): what is below the
+//! horizon doesn't matter, and leaves room to be better above it. n⁴ products per receiver and lobe, since the eye
+//! and the light may change with every frame; 4 n⁴ bytes per vertex and channel, at most 4 GiB, else refused. Light of n bands on
+//! open surfaces is exact up to the fit's ridge (about 0.1 % of its mean), where something is hidden it errs by what n
+//! bands miss of the lobe: see [`sharpness`] for how sharp it may be. Light that glossy surfaces send to others is left out: what is met
+//! along a ray reflects as if it were diffuse.
+//!
+//! **Ringing.** A window (`window`) may lessen what few bands overshoot. On light, `nonnegative` leaves no direction below 0, and so no
+//! vertex, whatever hides it; channels have the same window, since others would change hues. On transfer, it has a window of its own
+//! for each vector, and says nothing of light that is itself negative; matrices have none. `light=zh3` keeps of three bands what
+//! is symmetric about the axis of the second \[Roughton2024\]; it costs as much as three bands here, and shows what five
+//! numbers a channel hold.
 //!
 //! **Phases.** `bake`: rays from every vertex of every object against all triangles (`bake/mod.rs`), in chunks that are cached as they
 //! are finished. `prepare`: one vector per channel. `shade`: a dot product per channel (`kernel/dot.rs`) which reads n² numbers
@@ -35,6 +54,7 @@ mod kernel;
 mod prepare;
 mod settings;
 mod shade;
+pub mod sharpness;
 
 use bake::{arrangement::Arrangement, bake, table::Transfer};
 use halfshade_scene::{Cache, EyeLobes, Frame, Progress, Scene};
@@ -60,6 +80,8 @@ pub struct BakedScene {
     light: FrameLight,
     /// Nothing where no object is glossy.
     lobes: Option<LobeFits>,
+    /// The largest exponent of gloss.
+    sharpest: Option<f64>,
 }
 
 impl Prt {
@@ -80,8 +102,10 @@ impl Prt {
     ) -> Result<BakedScene, StrategyError> {
         let settings = Settings::of(params);
         let arrangement = Arrangement::of(scene)?;
+        sharpness::note(scene, settings.bands, progress);
         Ok(BakedScene {
             transfer: bake(scene, &settings, &self.cache, progress)?,
+            sharpest: sharpness::sharpest(scene).map(|(_, exponent)| exponent),
             lobes: scene.is_glossy().then(|| LobeFits::new(settings.bands)),
             arrangement,
             light: FrameLight::new(LightShape::new(&settings), settings.bands, &scene.environment),
@@ -93,8 +117,8 @@ impl Strategy for Prt {
     fn info(&self) -> Info {
         Info {
             name: "prt",
-            summary: "precomputed radiance transfer: a vector per vertex of a scene that stands still, times the light's",
-            source: "[Sloan2002][Dachsbacher2017]",
+            summary: "precomputed radiance transfer: a vector per vertex of a scene that stands still, times the light's, a matrix where it is glossy",
+            source: "[Sloan2002][Dachsbacher2017][Sloan2017][Roughton2024]",
             parameters: Settings::parameters(),
             presets: &[],
             effects: Effects::of(&[
@@ -137,11 +161,18 @@ impl Baked for BakedScene {
     fn details(&self) -> Vec<Detail> {
         let rows = (self.transfer.rows().len() / self.transfer.width()) as f64;
         let detail = |name: &str, value: f64| Detail { name: name.into(), values: vec![value] };
-        vec![
+        let mut details = vec![
             detail("vertices, and vertices seen from behind, that have vectors", rows),
             detail("vectors of each", self.transfer.channels as f64),
             detail("bounces of light in them", self.transfer.bounces as f64),
-        ]
+        ];
+        if let Some(exponent) = self.sharpest {
+            details.push(Detail {
+                name: "largest exponent of gloss, and the largest that so many bands show".into(),
+                values: vec![exponent, sharpness::shown_exponent(self.transfer.bands)],
+            });
+        }
+        details
     }
 
     fn prepare(&mut self, frame: &Frame<'_>) -> Result<Box<dyn Prepared + '_>, StrategyError> {

@@ -224,3 +224,39 @@ fn a_dull_object_is_not_touched_by_a_shiny_one() {
     }
     assert!(gained.min_element() > 0.05, "{gained}");
 }
+
+#[test]
+#[ignore]
+fn sweep() {
+    use halfshade_truth::{Options, Tracer, estimate};
+    for (light, environment) in
+        [("studio", halfshade_scene::builtin::studio()), ("sky", Environment::constant(Vec3::ONE))]
+    {
+        for exponent in [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0] {
+            let model = modified(exponent);
+            let scene = glossy(torus_over_ground(environment.clone(), [Vec3::ZERO; 2]), &model);
+            let receivers = some_vertices(&scene, 3);
+            let truth = estimate(
+                &Tracer::new(&scene.frame(0)),
+                receivers.view(),
+                &Options { samples: 256, ..Options::default() },
+                &Silent,
+            );
+            let row: Vec<String> = (2..=8)
+                .map(|bands| {
+                    let directions = if bands > 6 { 4096 } else { 1024 };
+                    let found = shaded(&scene, &receivers, &format!("bands={bands},directions={directions}"));
+                    let (mut e, mut s) = (0.0, 0.0);
+                    for i in 0..receivers.len() {
+                        for c in 0..3 {
+                            e += f64::from(found.channels[c][i] - truth.radiance.channels[c][i]).powi(2);
+                            s += f64::from(truth.standard_error.channels[c][i]).powi(2);
+                        }
+                    }
+                    format!("{:.3}", ((e - s).max(0.0) / (3 * receivers.len()) as f64).sqrt() / truth.unshadowed_mean)
+                })
+                .collect();
+            println!("{light} e={exponent}: {}", row.join(" "));
+        }
+    }
+}

@@ -72,6 +72,7 @@ pub(super) const TESTS: &[(&str, Test)] = &[
     ("overlap", caps::overlap),
     ("rest_irradiance", caps::rest_irradiance),
     ("transfer_dot", prt::dot),
+    ("transfer_lobe", prt::lobe),
     ("mask_four", mask::four),
     ("mask_cap", mask::cap),
     ("mask_directions", mask::directions),
