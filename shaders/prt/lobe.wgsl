@@ -31,8 +31,8 @@ fn matrix_row_dot(matrix: u32, row: u32) -> vec3f {
 }
 
 // A factor of the fit, of which eight lie in two rows for each degree and order.
-fn fit_factor(fit: u32, degree: u32, order: u32, of: u32) -> f32 {
-    return rows[fit + 2u * (LOBE_BANDS * degree + order) + of / 4u][of % 4u];
+fn fit_factor(fit: u32, degree: u32, order: u32, power: u32) -> f32 {
+    return rows[fit + 2u * (LOBE_BANDS * degree + order) + power / 4u][power % 4u];
 }
 
 // `b^T M l` for b the fit of `max(axis·v, 0)^exponent`, with the axis in the frame of the matrix: order by order, degrees by recurrence.

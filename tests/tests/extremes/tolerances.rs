@@ -232,12 +232,14 @@ fn analytic(drawn: &Drawn) -> Tolerances {
 }
 
 fn prt(p: &Params, drawn: &Drawn) -> Tolerances {
-    let rings = !is_constant(drawn);
+    // Lobes of few bands ring as light does.
+    let rings = !is_constant(drawn) || drawn.scene.is_glossy();
     Tolerances {
         // Sums over rays have weights that are exact for the light's first band.
         below: EXACT,
         above: EXACT,
-        rings: rings.then(|| p.number("bands") as f32),
+        // Zonal light has three, whatever is asked.
+        rings: rings.then(|| if p.word("light") == "sh" { p.number("bands") as f32 } else { 3.0 }),
         scaled: EXACT,
         // Vectors stay, the light is turned.
         turned: EXACT,

@@ -6,7 +6,7 @@
 //!
 //! over the hemisphere about the normal, with h the cosine of modified Phong and Lafortune models, or 1 for the original Phong. Rows
 //! are of the vertex's own frame R, in which a lobe is fitted to the hemisphere (`halfshade_sh::hemisphere`), columns of the
-//! world, where light is. Rays are those of the vectors, and so is what they meet: light that others send on is diffuse.
+//! world, where light is: so they are symmetric in no case, and stored whole. Rays are those of the vectors, and so is what they meet: light that others send on is diffuse.
 //! As with vectors, what is blocked is taken from the closed form.
 
 use super::{
