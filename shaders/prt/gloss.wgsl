@@ -1,4 +1,4 @@
-// What receivers reflect beside their diffuse part: twin of `prt/shade/gloss.rs`.
+// Reflection of receivers beside their diffuse part: twin of `prt/shade/gloss.rs`.
 #import "common/eye_lobes.wgsl"
 #import "prt/dot.wgsl"
 #import "prt/lobe.wgsl"

@@ -7,8 +7,8 @@
 //! b = (G + λ)^-1 ∫ h p y dω      G = ∫ h y y^T dω      b·∫ h f y dω = ∫ h p f dω + O(λ)
 //! ```
 //!
-//! over z > 0. Without the fit p itself would be cut off at n bands, and its product with f with it. Of the weights, which are
-//! symmetric about +z, all matrices hold a block per order |m|.
+//! over z > 0. Without the fit p itself would be cut off at n bands, and its product with f with it. Weights are symmetric
+//! about +z, so that matrices have a block for each order |m| and nothing else.
 
 use crate::{basis, quadrature::gauss_legendre};
 use nalgebra::DMatrix;

@@ -109,7 +109,7 @@ fn lifting(bands: &[f64], least: f64) -> f64 {
     high
 }
 
-/// What each band adds along a direction.
+/// Parts of the bands in the value along a direction.
 fn sums_of_bands(function: &[f64], direction: [f64; 3]) -> Vec<f64> {
     let bands = function.len().isqrt();
     let y = basis::evaluate(bands, direction);

@@ -73,7 +73,7 @@ mod tests {
         assert!(kept.iter().zip(&cap).all(|(a, b)| (a - b).abs() < 1e-14));
     }
 
-    /// What is taken away stands at right angles on what is kept: no other function about the axis is nearer.
+    /// The part that is taken away stands at right angles on the one that is kept: no other function about the axis is nearer.
     #[test]
     fn the_rest_is_orthogonal() {
         let light: Vec<f64> = (0..9).map(|i| ((5 * i + 2) as f64).sin()).collect();

@@ -30,7 +30,7 @@ choice! {
 }
 
 choice! {
-    /// What a window is on: of light and transfer, one of the same factors in every place gives the same; `nonnegative` differs.
+    /// The place of a window. `hann` and `lanczos` give the same on light and on transfer, `nonnegative` doesn't.
     pub(crate) enum WindowOn {
         /// light
         Light = "light",

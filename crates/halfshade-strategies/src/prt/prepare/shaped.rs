@@ -7,7 +7,7 @@ use crate::{
 use halfshade_scene::Environment;
 use halfshade_sh::{nonnegative::MinimumSearch, window::Window, zh3};
 
-/// What becomes of light once it is projected.
+/// Basis and window of light.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LightShape {
     basis: LightBasis,

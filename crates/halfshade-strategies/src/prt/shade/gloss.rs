@@ -1,4 +1,4 @@
-//! What receivers reflect beside their diffuse part, lobe by lobe.
+//! Reflection of receivers beside their diffuse part, lobe by lobe.
 
 use super::place::Place;
 use crate::prt::{
