@@ -136,10 +136,10 @@ mod tests {
     fn gram_and_integrals_are_those_of_quadrature() {
         for weight in WEIGHTS {
             let (gram, integrals) = (weight.gram(5), weight.integrals(5));
-            for i in 0..25 {
+            for (i, integral) in integrals.iter().enumerate() {
                 let y = |direction: [f64; 3], i: usize| basis::evaluate(5, direction)[i];
                 let exact = above(|direction| weight.of(direction[2]) * y(direction, i));
-                assert!((integrals[i] - exact).abs() < 1e-12, "{weight:?} {i}");
+                assert!((integral - exact).abs() < 1e-12, "{weight:?} {i}");
                 for j in 0..=i {
                     let exact = above(|direction| weight.of(direction[2]) * y(direction, i) * y(direction, j));
                     assert!([(i, j), (j, i)].iter().all(|&(i, j)| (gram[i * 25 + j] - exact).abs() < 1e-12));

@@ -81,6 +81,10 @@ const MORE_FIELDS: [&str; 5] = [
 const TRANSFER: [&str; 3] =
     ["bands=8,directions=32", "bands=3,transfer=shadowed,directions=32", "bands=1,transfer=unshadowed"];
 
+/// Settings of `prt` of glossy scenes.
+const GLOSSY_TRANSFER: [&str; 3] =
+    ["bands=6,directions=32", "bands=3,transfer=shadowed,directions=32", "bands=1,transfer=unshadowed"];
+
 /// Settings of `mask` that are held to the contract.
 const MASKS: [&str; 3] = ["", "directions=100,own=spheres,rule=covering", "directions=256,normals=0,rule=published"];
 
@@ -160,6 +164,8 @@ fn main() -> ExitCode {
             format!("prt({settings})::between_vertices_as_on_the_cpu"),
             Box::new(move |all| prt::compare([on(&all, "prt"), cpu("prt").as_ref()], settings)),
         );
+    }
+    for settings in GLOSSY_TRANSFER {
         add(
             format!("prt({settings})::shades_gloss_as_on_the_cpu"),
             Box::new(move |all| prt::shades_gloss([on(&all, "prt"), cpu("prt").as_ref()], settings)),

@@ -260,6 +260,10 @@ fn sharp_gloss_is_told() {
     #[derive(Default)]
     struct Notes(std::sync::Mutex<Vec<String>>);
     impl Progress for Notes {
+        fn start(&self, _: &str, _: u64) {}
+
+        fn advance(&self, _: u64) {}
+
         fn note(&self, note: &str) {
             self.0.lock().unwrap().push(note.into());
         }

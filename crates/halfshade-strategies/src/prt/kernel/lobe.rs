@@ -47,14 +47,15 @@ pub(crate) fn add_product<const N: usize, const C: usize>(
     for vector in 0..C {
         let matrix = &table[(number * C + vector) * N * N..];
         let mut transfer = [f32x8::ZERO; MOST_EIGHTS];
+        let transfer = &mut transfer[..const { N.div_ceil(LANES) }];
         for (i, b) in lobe.iter().enumerate() {
             let b = f32x8::splat(b[lane]);
-            for eight in 0..const { N.div_ceil(LANES) } {
-                transfer[eight] = eight_at(matrix, i * N + eight * LANES).mul_add(b, transfer[eight]);
+            for (eight, sum) in transfer.iter_mut().enumerate() {
+                *sum = eight_at(matrix, i * N + eight * LANES).mul_add(b, *sum);
             }
         }
-        for eight in 0..const { N.div_ceil(LANES) } {
-            add::<C>(transfer[eight], vector, eight, light, sums);
+        for (eight, values) in transfer.iter().enumerate() {
+            add::<C>(*values, vector, eight, light, sums);
         }
     }
 }
