@@ -100,7 +100,7 @@ mod tests {
     fn csv_has_a_cell_for_every_head() {
         let text = all_runs(&example()).write(Format::Csv, "");
         let mut reader = csv::Reader::from_reader(text.as_bytes());
-        assert_eq!(reader.headers().unwrap().len(), 49);
+        assert_eq!(reader.headers().unwrap().len(), 50);
         let records: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
         assert_eq!(records.len(), 3);
         assert_eq!((&records[0][6], &records[0][12], &records[2][7]), ("bands=4", "0.2", "unsupported"));

@@ -10,138 +10,39 @@
 //! As with vectors, what is blocked is taken from the closed form.
 
 use super::{
+    gloss_table::GlossTable,
     hemisphere::{Hemisphere, exact_bands, weights},
-    passes::{DirectRow, Passes, set_bits},
-    rows::{Back, Rows},
+    passes::{DirectRow, Passes, add_row, set_bits},
     table::{PADDING, Transfer},
 };
 use glam::{DMat3, DVec3, Vec3};
-use halfshade_scene::{Frame, Reflectance, cache::CacheKey};
+use halfshade_scene::cache::CacheKey;
 use halfshade_sh::{basis, hemisphere::Weight, rotation::ShRotation};
 use halfshade_strategy::StrategyError;
 use rayon::prelude::*;
-use std::{f64::consts::PI, ops::Range};
+use std::f64::consts::PI;
 
-/// Bytes that matrices may take.
-const MOST_BYTES: usize = 4 << 30;
-
-/// Bands of lobes before they are fitted.
-pub(crate) const LOBE_BANDS: usize = halfshade_sh::kernel::MAX_BANDS;
-
-/// Matrices of the glossy objects of a scene.
-#[derive(Debug, Default)]
-pub(crate) struct GlossTable {
-    /// By object; nothing for diffuse ones.
-    pub(crate) objects: Vec<Option<GlossRows>>,
-    /// The frame of each matrix: normal and tangent.
-    pub(crate) frames: Vec<[Vec3; 2]>,
-    /// Matrices of bands² rows of as many numbers, one per channel, and 7 zeros at the end.
-    pub(crate) values: Vec<f32>,
+/// Fills in the matrices of light that nothing hides.
+pub(crate) fn open(mut table: GlossTable, points: &[(Vec3, Vec3)], bands: usize) -> GlossTable {
+    let grams = [Weight::Cosine, Weight::Equal].map(|weight| weight.gram(bands));
+    let matrix = |&(row, weight): &(usize, Weight)| {
+        let (position, normal) = points[row];
+        in_world(&grams[weight as usize], bands, &Hemisphere::frame(position, normal))
+    };
+    table.values = table.rows().par_iter().flat_map_iter(matrix).map(|value| value as f32).collect();
+    finish(&mut table, points);
+    table
 }
 
-/// Matrices of an object: those of its vertices, then of their backs.
-#[derive(Debug, Clone)]
-pub(crate) struct GlossRows {
-    pub(crate) weight: Weight,
-    first: usize,
-    /// Rows of the table of vectors that they belong to.
-    fronts: Range<usize>,
-    backs: Range<usize>,
-}
-
-impl GlossRows {
-    /// The matrix that belongs to a row of the table of vectors.
-    pub(crate) fn at(&self, row: usize) -> usize {
-        let place = if self.fronts.contains(&row) {
-            row - self.fronts.start
-        } else {
-            self.fronts.len() + row.saturating_sub(self.backs.start)
-        };
-        self.first + place
-    }
-}
-
-impl GlossTable {
-    /// Which matrices there are to be, without any.
-    ///
-    /// # Errors
-    /// If they would take too much memory.
-    pub(crate) fn plan(
-        frame: &Frame<'_>,
-        rows: &Rows,
-        bands: usize,
-        channels: usize,
-    ) -> Result<Option<Self>, StrategyError> {
-        let mut table = Self::default();
-        let mut count = 0;
-        for (object, own) in frame.scene.objects.iter().zip(&rows.objects) {
-            let vertices = object.mesh.positions.len();
-            let backs = if let Back::Rows(first) = own.back { first..first + vertices } else { 0..0 };
-            let found = object.material.is_glossy().then(|| GlossRows {
-                weight: weight_of(&object.material.reflectance),
-                first: count,
-                fronts: own.first..own.first + vertices,
-                backs,
-            });
-            count += found.as_ref().map_or(0, |rows| rows.fronts.len() + rows.backs.len());
-            table.objects.push(found);
-        }
-        let bytes = count.saturating_mul(channels * bands.pow(4) * size_of::<f32>());
-        if bytes > MOST_BYTES {
-            return Err(StrategyError::Unsupported(format!(
-                "glossy transfer of {count} vertices in {bands} bands would take {} MB, and {} is the most; take fewer bands, or mask or ray-traced",
-                bytes >> 20,
-                MOST_BYTES >> 20,
-            )));
-        }
-        Ok(frame.scene.is_glossy().then_some(table))
-    }
-
-    /// The key of matrices of so many bounces, whose vectors have this one.
-    pub(crate) fn key(&self, vectors: &CacheKey) -> CacheKey {
-        let of_object = |rows: &Option<GlossRows>| rows.as_ref().map(|rows| rows.weight as u8);
-        vectors.clone().bytes(b"matrices").value(&self.objects.iter().map(of_object).collect::<Vec<_>>())
-    }
-
-    /// Rows of the table of vectors that have matrices, in their order.
-    fn rows(&self) -> Vec<(usize, Weight)> {
-        let of_object = |rows: &GlossRows| {
-            let weight = rows.weight;
-            rows.fronts.clone().chain(rows.backs.clone()).map(move |row| (row, weight)).collect::<Vec<_>>()
-        };
-        self.objects.iter().flatten().flat_map(of_object).collect()
-    }
-
-    /// Fills in the matrices of light that nothing hides.
-    pub(crate) fn open(mut self, points: &[(Vec3, Vec3)], bands: usize) -> Self {
-        let grams = [Weight::Cosine, Weight::Equal].map(|weight| weight.gram(bands));
-        let matrix = |&(row, weight): &(usize, Weight)| {
-            let (position, normal) = points[row];
-            in_world(&grams[weight as usize], bands, &Hemisphere::frame(position, normal))
-        };
-        self.values = self.rows().par_iter().flat_map_iter(matrix).map(|value| value as f32).collect();
-        self.finish(points);
-        self
-    }
-
-    fn finish(&mut self, points: &[(Vec3, Vec3)]) {
-        let frame = |(row, _): (usize, Weight)| {
-            let frame = Hemisphere::frame(points[row].0, points[row].1);
-            [frame.z_axis, frame.x_axis].map(|axis| axis.as_vec3())
-        };
-        self.frames = self.rows().into_iter().map(frame).collect();
-        self.values.iter_mut().filter(|value| !value.is_finite()).for_each(|value| *value = 0.0);
-        self.values.extend([0.0; PADDING]);
-    }
-
-    pub(crate) fn bytes(&self) -> usize {
-        size_of_val(self.values.as_slice()) + size_of_val(self.frames.as_slice())
-    }
-}
-
-/// The part of a model that isn't a lobe.
-fn weight_of(reflectance: &Reflectance) -> Weight {
-    if let Reflectance::Phong { .. } = reflectance { Weight::Equal } else { Weight::Cosine }
+/// Adds the frames, and what is read past the end.
+fn finish(table: &mut GlossTable, points: &[(Vec3, Vec3)]) {
+    let frame = |(row, _): (usize, Weight)| {
+        let frame = Hemisphere::frame(points[row].0, points[row].1);
+        [frame.z_axis, frame.x_axis].map(|axis| axis.as_vec3())
+    };
+    table.frames = table.rows().into_iter().map(frame).collect();
+    table.values.iter_mut().filter(|value| !value.is_finite()).for_each(|value| *value = 0.0);
+    table.values.extend([0.0; PADDING]);
 }
 
 /// The columns of a matrix over the vertex's frame, turned into the world, row by row.
@@ -213,7 +114,7 @@ impl<'a> GlossPasses<'a> {
                 table.values = found.into_iter().flatten().collect();
             }
         }
-        table.finish(self.passes.points);
+        finish(&mut table, self.passes.points);
         Ok(table)
     }
 
@@ -252,7 +153,7 @@ impl<'a> GlossPasses<'a> {
             let Some(met) = self.passes.surfaces.reflector(point, self.passes.along(&frame, k)) else { continue };
             let mut sent = vec![0.0; channels * count];
             for (row, share) in met.rows {
-                super::passes::add_row(&mut sent, before, row, share, met.albedo);
+                add_row(&mut sent, before, row, share, met.albedo);
             }
             let (y, share) = (self.basis_at(k), self.weights[weight as usize][k]);
             for (matrix, sent) in matrices.chunks_exact_mut(count * count).zip(sent.chunks_exact(count)) {

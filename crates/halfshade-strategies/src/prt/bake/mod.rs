@@ -15,6 +15,7 @@
 pub(crate) mod arrangement;
 mod chunks;
 pub(crate) mod gloss;
+pub(crate) mod gloss_table;
 pub(crate) mod hemisphere;
 mod passes;
 pub(crate) mod rows;
@@ -24,7 +25,8 @@ mod windowed;
 
 use super::settings::{Settings, TransferKind};
 use chunks::{Chunks, colour_key, shape_key};
-use gloss::{GlossPasses, GlossTable};
+use gloss::GlossPasses;
+use gloss_table::GlossTable;
 use halfshade_scene::{Cache, Progress, Scene};
 use halfshade_strategy::StrategyError;
 use hemisphere::Hemisphere;
@@ -59,7 +61,7 @@ pub(crate) fn bake(
     if !is_traced {
         let open = |(_, normal): &_| hemisphere.open(*normal).into_iter().map(|value| value as f32);
         transfer.values = rows.points.par_iter().flat_map_iter(open).collect();
-        transfer.gloss = gloss.map(|gloss| gloss.open(&rows.points, settings.bands));
+        transfer.gloss = gloss.map(|table| gloss::open(table, &rows.points, settings.bands));
         progress.advance(rows.points.len() as u64);
     } else {
         let shape = shape_key(&frame, settings.directions);

@@ -1,6 +1,6 @@
 //! The table of transfer vectors.
 
-use super::{gloss::GlossTable, rows::ObjectRows};
+use super::{gloss_table::GlossTable, rows::ObjectRows};
 use halfshade_scene::Mesh;
 use std::sync::Arc;
 

@@ -5,11 +5,14 @@
 
 use super::dot::{LightVectors, MOST_EIGHTS, Partial, add, eight_at};
 use crate::shared::cosine_power::cosine_power;
-use halfshade_sh::kernel::{LANES, ShBatch};
+use halfshade_sh::kernel::{LANES, MAX_BANDS, ShBatch};
 use wide::f32x8;
 
-/// Coefficients of a lobe before it is fitted.
-const POWER: usize = super::super::bake::gloss::LOBE_BANDS * super::super::bake::gloss::LOBE_BANDS;
+/// Bands of a lobe before it is fitted.
+pub(crate) const LOBE_BANDS: usize = MAX_BANDS;
+
+/// Its coefficients.
+const POWER: usize = LOBE_BANDS * LOBE_BANDS;
 
 /// The vectors that stand for `max(axis·v, 0)^exponent` above the horizon of +z, for eight lobes; `fit` is that of
 /// `halfshade_sh::hemisphere`.

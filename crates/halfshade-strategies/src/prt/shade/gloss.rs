@@ -2,14 +2,10 @@
 
 use super::place::Place;
 use crate::prt::{
-    bake::{
-        gloss::{GlossTable, LOBE_BANDS, in_world},
-        hemisphere::Hemisphere,
-        table::Transfer,
-    },
+    bake::{gloss::in_world, gloss_table::GlossTable, hemisphere::Hemisphere, table::Transfer},
     kernel::{
         dot::{LightVectors, added},
-        lobe::{add_product, fitted_power},
+        lobe::{LOBE_BANDS, add_product, fitted_power},
     },
     prepare::light::FrameLight,
 };
