@@ -8,16 +8,25 @@ override CHANNELS: u32 = 1u;
 struct Frame {
     // Light by channel and four coefficients, filled up with zeros: red, green, blue.
     light: array<vec4f, 48>,
+    // From the world into the space of the vectors.
+    baked_from_world: array<vec4f, 3>,
+    // Among the receivers.
+    eye: vec4f,
 }
 
-// A receiver between vertices: the rows at which their vectors begin, and weights; all 0 where no light arrives.
+// A receiver between vertices: the rows at which their vectors begin, and weights; all 0 where no light arrives. Of a glossy one
+// also the rows at which their matrices begin, the fit of lobes, and the terms of reflectance.
 struct Between {
     rows: vec3u,
+    fit: u32,
     weights: vec3f,
+    terms: u32,
+    matrices: vec3u,
+    term_count: u32,
 }
 
 @group(1) @binding(0) var<storage, read> frame: Frame;
-// Vectors, each in rows of its own.
+// Vectors, each in rows of its own; then fits, terms and matrices where anything is glossy.
 @group(1) @binding(1) var<storage, read> rows: array<vec4f>;
 @group(1) @binding(2) var<storage, read> points: array<Between>;
 

@@ -1,11 +1,20 @@
 // Precomputed radiance transfer, one receiver per invocation.
 #import "common/receivers.wgsl"
 #import "prt/dot.wgsl"
+#import "prt/gloss.wgsl"
+
+// Whether anything is glossy.
+override IS_GLOSSY: bool = false;
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) invocation: vec3u) {
     let number = invocation.x;
     if (number < receiver_count()) {
-        reflect(number, transfer_dot(points[receiver_at(number).group]));
+        let receiver = receiver_at(number);
+        let between = points[receiver.group];
+        reflect(number, transfer_dot(between));
+        if (IS_GLOSSY) {
+            add_radiance(number, gloss_of_receiver(number, receiver, between), false);
+        }
     }
 }

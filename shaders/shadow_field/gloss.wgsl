@@ -1,6 +1,6 @@
 // BRDFs as SH vectors: twin of `shadow_field/shade/sh/gloss.rs`.
 #import "common/eye_lobes.wgsl"
-#import "shadow_field/cosine_power.wgsl"
+#import "shared/cosine_power.wgsl"
 #import "shadow_field/frame.wgsl"
 
 // A lobe of a receiver toward the eye; black if it has none of that number.

@@ -334,8 +334,8 @@ pub const SHADOW_FIELD: Kernel = Kernel {
             reason: "a table on the CPU, its formula on the device",
         },
         Twin {
-            shader: "shadow_field/cosine_power.wgsl",
-            cpu: "halfshade_strategies::shadow_field::kernel::cosine_power",
+            shader: "shared/cosine_power.wgsl",
+            cpu: "halfshade_strategies::shared::cosine_power",
             tolerance: 1e-6,
             reason: "rounding",
         },
@@ -449,12 +449,29 @@ pub const ANALYTIC: Kernel = Kernel {
 pub const PRT: Kernel = Kernel {
     name: "prt",
     shader: "prt/shade.wgsl",
-    twins: &[Twin {
-        shader: "prt/dot.wgsl",
-        cpu: "halfshade_strategies::prt::kernel::dot",
-        tolerance: 1e-6,
-        reason: "sums in another order",
-    }],
+    twins: &[
+        REFLECTANCE,
+        EYE_LOBES,
+        NEAR_ZERO,
+        Twin {
+            shader: "prt/dot.wgsl",
+            cpu: "halfshade_strategies::prt::kernel::dot",
+            tolerance: 1e-6,
+            reason: "sums in another order",
+        },
+        Twin {
+            shader: "prt/lobe.wgsl",
+            cpu: "halfshade_strategies::prt::kernel::lobe",
+            tolerance: 2e-5,
+            reason: "factors of a fit are up to a hundred times what they add up to",
+        },
+        Twin {
+            shader: "prt/gloss.wgsl",
+            cpu: "halfshade_strategies::prt::shade::gloss",
+            tolerance: 1e-4,
+            reason: "that of the reflectance",
+        },
+    ],
     buffers: &[RECEIVERS, &["frame", "rows", "points"]],
 };
 

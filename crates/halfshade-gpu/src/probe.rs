@@ -3,7 +3,7 @@
 pub use crate::{
     analytic::FrameUniforms as AnalyticFrame,
     mask::FrameUniforms as MaskFrame,
-    prt::{Between as TransferBetween, ClusterBetween, ClusterUniforms, FrameUniforms as TransferFrame},
+    prt::{Between as TransferBetween, ClusterBetween, ClusterUniforms, FrameUniforms as TransferFrame, fit_rows},
     ray_traced::buffers::RayBuffers,
     sh_exp::{
         first_pass::{Emitter, Rounds},

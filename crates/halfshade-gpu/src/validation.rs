@@ -310,9 +310,17 @@ fn structs_lie_in_rust_as_in_wgsl() {
 
     let (module, _) = valid("prt", &shader::module("prt/shade.wgsl", None));
     type Transfer = prt::FrameUniforms;
-    assert_eq!(layout(&module, "Frame"), (size_of::<Transfer>(), vec![offset_of!(Transfer, light)]));
+    let transfer = vec![offset_of!(Transfer, light), offset_of!(Transfer, baked_from_world), offset_of!(Transfer, eye)];
+    assert_eq!(layout(&module, "Frame"), (size_of::<Transfer>(), transfer));
     type Between = prt::Between;
-    let between = vec![offset_of!(Between, rows), offset_of!(Between, weights)];
+    let between = vec![
+        offset_of!(Between, rows),
+        offset_of!(Between, fit),
+        offset_of!(Between, weights),
+        offset_of!(Between, terms),
+        offset_of!(Between, matrices),
+        offset_of!(Between, term_count),
+    ];
     assert_eq!(layout(&module, "Between"), (size_of::<Between>(), between));
 
     let (module, _) = valid("prt-clusters", &shader::module("prt/shade_clusters.wgsl", None));

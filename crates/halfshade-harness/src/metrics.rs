@@ -9,6 +9,7 @@
 //! - `rel_rmse` = rmse / mean of the unshadowed radiance; not defined where that mean is 0 or below the smallest normal
 //!   number of single precision, 1.2e-38;
 //! - `*_noise`: one standard deviation of each figure under a new seed of the truth (see `noise.rs`);
+//! - `negative` is the share of the strategy's values below 0: ringing, which no light has;
 //! - `resolved` is false where rmse is below the root mean square of s, or mean e² − mean s² within three of its own
 //!   standard deviations of 0: the truth has too few samples to tell. Neither assumes normal errors.
 //!
@@ -61,6 +62,9 @@ pub struct Metrics {
     /// Noise of `max`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_noise: Option<f64>,
+    /// Share of the values that are below 0; missing in results of older versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub negative: Option<f64>,
     /// Whether the truth can tell this error from none.
     pub resolved: bool,
 }
@@ -69,7 +73,7 @@ impl Metrics {
     /// All figures that there are, by name.
     pub fn figures(&self) -> Vec<(&'static str, f64)> {
         let Self { rmse, rel_rmse, bias, mae, p95, p99, max, rmse_noise, .. } = *self;
-        let Self { bias_noise, mae_noise, p95_noise, p99_noise, max_noise, resolved: _, .. } = *self;
+        let Self { bias_noise, mae_noise, p95_noise, p99_noise, max_noise, negative, resolved: _, .. } = *self;
         let optional = [
             ("rel_rmse", rel_rmse),
             ("bias_noise", bias_noise),
@@ -77,6 +81,7 @@ impl Metrics {
             ("p95_noise", p95_noise),
             ("p99_noise", p99_noise),
             ("max_noise", max_noise),
+            ("negative", negative),
         ];
         let always = [
             ("rmse", rmse),
@@ -144,8 +149,15 @@ fn compare_weighted(radiance: &RadianceBuffer, reference: &Reference, weights: &
         p95_noise: Some(noise.p95),
         p99_noise: Some(noise.p99),
         max_noise: Some(noise.max),
+        negative: Some(negative_share(radiance, weights)),
         resolved: rmse > 0.0 && rmse >= noise_square.sqrt() && corrected >= RESOLVING_SIGMAS * noise.mean_square,
     })
+}
+
+/// Share of the values that are below 0.
+fn negative_share(radiance: &RadianceBuffer, weights: &ReceiverWeights) -> f64 {
+    let negative = |i: usize| radiance.channels.iter().filter(|channel| channel[i] < 0.0).count();
+    weights.mean(|i| negative(i) as f64 / 3.0)
 }
 
 #[cfg(test)]

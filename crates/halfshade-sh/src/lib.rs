@@ -11,7 +11,9 @@
 //! - [`product`] and [`tripling`]: the SH product and its exact coefficients.
 //!
 //! From light: [`lat_long`] projects images, [`quadrature`] functions; [`rotation`] turns SH vectors; [`window`] tames
-//! ringing. [`form_factor`] averages what a receiver sees of a sphere that shines.
+//! ringing, [`nonnegative`] as little as it must be; [`zh3`] keeps a third band about one axis. [`form_factor`] averages what a receiver sees of a sphere that shines.
+//!
+//! About a normal, [`hemisphere`] holds functions that matter on one side only.
 //!
 //! Beside harmonics, [`haar`] holds wavelets on the faces of a cube, for edges, and [`lobe`] cosine lobes: products,
 //! integrals, lobes for caps.
@@ -24,11 +26,13 @@ pub mod blocker_table;
 pub mod exponential;
 pub mod form_factor;
 pub mod haar;
+pub mod hemisphere;
 pub mod kernel;
 pub mod lat_long;
 pub mod lobe;
 pub mod logarithm;
 pub mod mean_normal;
+pub mod nonnegative;
 pub mod optimal_linear;
 pub mod product;
 pub mod quadrature;
@@ -37,5 +41,6 @@ pub mod rotation;
 pub mod tripling;
 pub mod wgsl;
 pub mod window;
+pub mod zh3;
 pub mod zonal;
 pub mod zonal_algebra;

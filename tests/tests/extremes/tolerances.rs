@@ -232,7 +232,8 @@ fn analytic(drawn: &Drawn) -> Tolerances {
 }
 
 fn prt(p: &Params, drawn: &Drawn) -> Tolerances {
-    let rings = !is_constant(drawn);
+    // Lobes of few bands ring as light does.
+    let rings = !is_constant(drawn) || drawn.scene.is_glossy();
     const SHARED: &str = "a cluster's vectors stand for each other's";
     const VOLUME: &str = "three bands of light between points of a grid, without shadows of what moves";
     let is_compressed = p.word("compression") != "none";
@@ -246,7 +247,8 @@ fn prt(p: &Params, drawn: &Drawn) -> Tolerances {
         // Sums over rays have weights that are exact for the light's first band.
         below: EXACT,
         above: EXACT,
-        rings: rings.then(|| p.number("bands") as f32),
+        // Zonal light has three, whatever is asked.
+        rings: rings.then(|| if p.word("light") == "sh" { p.number("bands") as f32 } else { 3.0 }),
         scaled: EXACT,
         // Vectors stay, the light is turned.
         turned: EXACT,

@@ -10,19 +10,22 @@ pub use clusters::{ClusterBetween, ClusterUniforms};
 
 use crate::{
     kernels::PRT,
+    pipeline::flag,
     receivers::KernelSpace,
-    rows::in_fours,
+    reflectance::{TERM_ROWS, terms},
+    rows::{in_fours, row},
     runner::{Bench, Runner, Uploaded},
 };
 use bytemuck::{Pod, Zeroable};
 use clusters::ClusteredOnGpu;
-use glam::DMat3;
-use halfshade_scene::{Cache, Frame, Progress, Receivers, Scene};
+use glam::{DMat3, Vec3};
+use halfshade_scene::{Cache, Frame, Progress, Receivers, Reflectance, Scene};
 use halfshade_strategies::{
     Prt,
     prt::{
         BakedScene,
         arrays::{Place, SceneArrays},
+        gloss_arrays::{GlossArrays, GlossPlace},
     },
 };
 use halfshade_strategy::{Baked, Detail, Footprint, Info, Params, Prepared, Strategy, StrategyError};
@@ -30,6 +33,9 @@ use too_large::told;
 
 /// Rows of four of the longest vector.
 const MOST_PARTS: usize = 16;
+
+/// Bands of a lobe before it is fitted.
+const LOBE_BANDS: usize = 8;
 
 /// [`Prt`], whose receivers are shaded on the device.
 #[derive(Debug)]
@@ -44,6 +50,8 @@ pub struct PrtOnGpu {
 #[expect(missing_docs, reason = "fields are told of in `prt/dot.wgsl`")]
 pub struct FrameUniforms {
     pub light: [[[f32; 4]; MOST_PARTS]; 3],
+    pub baked_from_world: [[f32; 4]; 3],
+    pub eye: [f32; 4],
 }
 
 /// A receiver between vertices.
@@ -52,14 +60,18 @@ pub struct FrameUniforms {
 #[expect(missing_docs, reason = "fields are told of in `prt/dot.wgsl`")]
 pub struct Between {
     pub rows: [u32; 3],
-    pub padding: u32,
+    pub fit: u32,
     pub weights: [f32; 3],
-    pub more_padding: u32,
+    pub terms: u32,
+    pub matrices: [u32; 3],
+    pub term_count: u32,
 }
 
 struct BakedOnGpu {
     baked: BakedScene,
     runner: Runner,
+    /// Terms of the reflectance of every object.
+    terms: Vec<Vec<[f32; 4]>>,
 }
 
 impl PrtOnGpu {
@@ -86,11 +98,21 @@ impl Strategy for PrtOnGpu {
         }
         let SceneArrays { bands, channels, clusters, .. } = baked.scene_arrays();
         if clusters.is_some() {
+            if scene.is_glossy() {
+                let reason = "gloss beside compressed transfer has no kernel on the graphics device; take device `cpu`";
+                return Err(StrategyError::Unsupported(reason.into()));
+            }
             return Ok(Box::new(ClusteredOnGpu::new(&self.bench, baked)?));
         }
-        let constants = [("PARTS", parts(bands) as f64), ("CHANNELS", channels as f64)];
+        let constants = [
+            ("PARTS", parts(bands) as f64),
+            ("CHANNELS", channels as f64),
+            ("BANDS", bands as f64),
+            ("IS_GLOSSY", flag(scene.is_glossy())),
+        ];
         let runner = Runner::new(&self.bench, &PRT, None, &constants, size_of::<FrameUniforms>())?;
-        Ok(Box::new(BakedOnGpu { baked, runner }))
+        let terms = scene.objects.iter().map(|object| term_rows(&object.material.reflectance)).collect();
+        Ok(Box::new(BakedOnGpu { baked, runner, terms }))
     }
 }
 
@@ -134,8 +156,87 @@ impl BakedOnGpu {
             }
             points.push(point);
         }
+        if let Some(arrays) = self.baked.gloss_arrays() {
+            self.add_gloss(&arrays, frame, receivers, &mut (&mut fours, &mut points));
+        }
         (fours, points)
     }
+
+    /// Adds fits, terms and matrices to the rows, and where glossy receivers find them.
+    fn add_gloss(
+        &self,
+        arrays: &GlossArrays<'_>,
+        frame: &Frame<'_>,
+        receivers: Receivers<'_>,
+        (rows, points): &mut (&mut Vec<[f32; 4]>, &mut Vec<Between>),
+    ) {
+        let SceneArrays { bands, channels, .. } = self.baked.scene_arrays();
+        let fits = arrays.fits.each_ref().map(|fit| {
+            let first = rows.len() as u32;
+            rows.extend(fit_rows(bands, fit));
+            first
+        });
+        let terms: Vec<[u32; 2]> = self
+            .terms
+            .iter()
+            .map(|terms| {
+                let first = rows.len() as u32;
+                rows.extend(terms);
+                [first, (terms.len() / TERM_ROWS) as u32]
+            })
+            .collect();
+        let first = rows.len();
+        let per_matrix = 2 + channels * bands * bands * parts(bands);
+        let numbers = arrays.matrices.chunks_exact((channels * bands.pow(4)).max(1));
+        arrays.frames.iter().zip(numbers).for_each(|(own, matrix)| rows.extend(matrix_rows(bands, own, matrix)));
+        for (i, place) in self.baked.places(receivers).enumerate() {
+            let point = &mut points[i];
+            let fit = match self.baked.gloss_place(frame, &receivers, i, &place) {
+                GlossPlace::Dull => continue,
+                GlossPlace::Between(matrices, fit) => {
+                    point.matrices = matrices.map(|matrix| (first + matrix * per_matrix) as u32);
+                    fit
+                }
+                GlossPlace::Own(own, matrix, fit) => {
+                    point.matrices[0] = rows.len() as u32;
+                    rows.extend(matrix_rows(bands, &own, &matrix.repeat(channels)));
+                    fit
+                }
+            };
+            point.fit = fits[fit];
+            [point.terms, point.term_count] = terms[receivers.object[i] as usize];
+        }
+    }
+}
+
+/// A matrix behind its frame.
+fn matrix_rows(bands: usize, frame: &[Vec3; 2], matrix: &[f32]) -> Vec<[f32; 4]> {
+    let frame = frame.map(|axis| row(axis, 0.0));
+    frame.into_iter().chain(matrix.chunks_exact(bands * bands).flat_map(in_fours)).collect()
+}
+
+/// A fit in rows of four, eight factors for each degree and order below eight, whether there are any or not.
+pub fn fit_rows(bands: usize, fit: &[f32]) -> Vec<[f32; 4]> {
+    let mut rows = vec![[0.0; 4]; 2 * LOBE_BANDS * bands];
+    let mut rest = fit;
+    for (degree, order) in (0..bands).flat_map(|degree| (0..=degree).map(move |order| (degree, order))) {
+        let (factors, after) = rest.split_at(LOBE_BANDS - order);
+        rest = after;
+        for (k, factor) in (order..).zip(factors) {
+            rows[2 * (LOBE_BANDS * degree + order) + k / 4][k % 4] = *factor;
+        }
+    }
+    rows
+}
+
+/// Terms of a reflectance; their models are told by numbers, since small whole numbers as bits would be lost.
+fn term_rows(reflectance: &Reflectance) -> Vec<[f32; 4]> {
+    let rows = terms(reflectance).into_iter().enumerate();
+    rows.map(|(number, row)| {
+        let [x, y, z, last] = row.map(f32::from_bits);
+        [x, y, z, if number % TERM_ROWS == 1 { row[3] as f32 } else { last }]
+    })
+    .collect()
 }
 
 impl Baked for BakedOnGpu {
@@ -158,10 +259,14 @@ impl Baked for BakedOnGpu {
     }
 
     fn prepare(&mut self, frame: &Frame<'_>) -> Result<Box<dyn Prepared + '_>, StrategyError> {
-        let uniforms = FrameUniforms::new(self.baked.frame_arrays(frame)?.light);
-        self.runner.write_uniforms(&uniforms);
+        let mut uniforms = FrameUniforms::new(self.baked.frame_arrays(frame)?.light);
         let places = frame.world_from_object.iter().map(|pose| pose.translation.as_dvec3());
-        self.runner.place_objects(frame, &KernelSpace::of_points(places, DMat3::IDENTITY))?;
+        let space = KernelSpace::of_points(places, DMat3::IDENTITY);
+        uniforms.baked_from_world =
+            self.baked.baked_from_world().transpose().to_cols_array_2d().map(|axis| row(axis.into(), 0.0));
+        uniforms.eye = row(space.place(frame.scene.camera.eye.as_dvec3()).as_vec3(), 0.0);
+        self.runner.write_uniforms(&uniforms);
+        self.runner.place_objects(frame, &space)?;
         self.runner.upload()?;
         Ok(Box::new(Uploaded(&self.runner)))
     }

@@ -86,6 +86,10 @@ const TRANSFER: [&str; 5] = [
     "bands=3,directions=32,compression=vq,clusters=30",
 ];
 
+/// Settings of `prt` of glossy scenes.
+const GLOSSY_TRANSFER: [&str; 3] =
+    ["bands=6,directions=32", "bands=3,transfer=shadowed,directions=32", "bands=1,transfer=unshadowed"];
+
 /// Settings of `mask` that are held to the contract.
 const MASKS: [&str; 3] = ["", "directions=100,own=spheres,rule=covering", "directions=256,normals=0,rule=published"];
 
@@ -166,6 +170,12 @@ fn main() -> ExitCode {
             Box::new(move |all| prt::compare([on(&all, "prt"), cpu("prt").as_ref()], settings)),
         );
     }
+    for settings in GLOSSY_TRANSFER {
+        add(
+            format!("prt({settings})::shades_gloss_as_on_the_cpu"),
+            Box::new(move |all| prt::shades_gloss([on(&all, "prt"), cpu("prt").as_ref()], settings)),
+        );
+    }
     add(
         "shadow-field::what_has_no_kernel_is_refused".to_owned(),
         Box::new(|all| shadow_field::refuses(on(&all, "shadow-field"))),
@@ -202,7 +212,7 @@ fn subjects() -> Vec<(&'static str, &'static str, Bounds)> {
     let closed_forms = Bounds { brightening: 1e-5, ..table };
     subjects.extend(["", "own=spheres"].map(|settings| ("analytic", settings, closed_forms)));
     // Light of four bands.
-    let limited = Bounds { constant: 1e-5, quadrature: 0.2, gloss: 0.0, rotation: 1e-4, brightening: 1e-6 };
+    let limited = Bounds { constant: 1e-5, quadrature: 0.2, gloss: 0.3, rotation: 1e-4, brightening: 1e-6 };
     subjects.push(("prt", "directions=16", limited));
     subjects
 }

@@ -15,7 +15,7 @@ pub(super) fn all_runs(results: &Results) -> Table {
                 p99_noise_radiance,max_noise_radiance,resolved,flip,ssim,truth_samples,\
                 truth_rms_standard_error_radiance,unshadowed_mean_radiance,bake_secs,prepare_secs_median,\
                 prepare_secs_mad,shade_secs_median,shade_secs_mad,frames_per_sec,threads,memory_bytes,device,\
-                read_back_secs_median,device_secs_median,streamed_secs_median,latency_secs_median";
+                read_back_secs_median,device_secs_median,streamed_secs_median,latency_secs_median,negative_share";
     let mut rows: Vec<Vec<Cell>> = Vec::new();
     for run in &results.runs {
         let optional = |value: Option<f64>| value.map(|value| value.to_string()).unwrap_or_default();
@@ -83,6 +83,7 @@ pub(super) fn all_runs(results: &Results) -> Table {
             optional(time.and_then(|time| time.device_secs).map(|spread| spread.median)),
             optional(time.and_then(|time| time.streamed_secs).map(|spread| spread.median)),
             optional(time.and_then(|time| time.latency_secs).map(|spread| spread.median)),
+            optional(metric(|m| m.negative)),
         ]);
         rows.push(record.into_iter().map(Cell::text).collect());
     }
@@ -99,7 +100,7 @@ mod tests {
     fn csv_has_a_cell_for_every_head() {
         let text = all_runs(&example()).write(Format::Csv, "");
         let mut reader = csv::Reader::from_reader(text.as_bytes());
-        assert_eq!(reader.headers().unwrap().len(), 49);
+        assert_eq!(reader.headers().unwrap().len(), 50);
         let records: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
         assert_eq!(records.len(), 3);
         assert_eq!((&records[0][6], &records[0][12], &records[2][7]), ("bands=4", "0.2", "unsupported"));

@@ -31,6 +31,8 @@ struct SceneRuns<'a> {
     has_devices: bool,
     /// Whether any was timed with several frames in flight.
     has_streams: bool,
+    /// Whether any method sent less than no light.
+    has_negatives: bool,
     published: &'a [Published],
 }
 
@@ -48,6 +50,7 @@ pub(super) fn scene_table(results: &Results, group: &Group) -> Table {
             .collect(),
         has_devices: runs.iter().any(|run| !run.device.is_cpu()),
         has_streams: runs.iter().any(|run| run.time.as_ref().is_some_and(|time| time.streamed_secs.is_some())),
+        has_negatives: errors().any(|error| error.metrics.negative.is_some_and(|share| share > 0.0)),
         timed: runs.iter().any(|run| run.frame_secs().is_some()),
         published: facts.map_or(&[][..], |facts| facts.published.as_slice()),
         runs,
@@ -82,6 +85,9 @@ impl SceneRuns<'_> {
             Column::ranked("p99", Better::Lower),
             Column::ranked("max", Better::Lower),
         ]);
+        if self.has_negatives {
+            columns.push(Column::ranked("below 0", Better::Lower));
+        }
         columns.extend(self.similarities.iter().map(|(column, _)| column.clone()));
         columns.push(Column::plain("bake"));
         if self.timed {
@@ -122,6 +128,10 @@ impl SceneRuns<'_> {
         row.extend([m.mae, m.p95, m.p99, m.max].map(|value| {
             relative(value, mean).map_or(Cell::empty(), |value| Cell::number(significant(value, 3), value))
         }));
+        if self.has_negatives {
+            let share = |value| Cell::number(significant(value, 2), value);
+            row.push(m.negative.map_or(Cell::empty(), share));
+        }
         row.extend(self.similarities.iter().map(|(_, value)| {
             value(&error.similarity).map_or(Cell::empty(), |value| Cell::number(format!("{value:.4}"), value))
         }));

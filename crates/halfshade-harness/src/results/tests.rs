@@ -31,6 +31,7 @@ pub(crate) fn example() -> Results {
                 mae_noise: Some(4e-5),
                 p95_noise: Some(2e-4),
                 p99_noise: Some(4e-4),
+                negative: None,
                 max_noise: Some(1e-3),
                 resolved: true,
             },

@@ -15,8 +15,26 @@
 //! **Space.** Vectors are of the world as it is at the first frame. Objects stand still against each other; the scene may move
 //! and turn as a whole, and the light may turn and change: per frame the light's vector is turned the other way. Objects that move
 //! against others or deform are refused, or take their light from an irradiance volume among the others (`bake/volume`): their
-//! shadows are missing then. Unsupported are local lights, whose light isn't the same everywhere, and gloss, which would need a
-//! matrix.
+//! shadows are missing then. Unsupported are local lights, whose light isn't the same everywhere.
+//!
+//! **Gloss.** A vertex of a glossy object has a matrix beside its vector, from light to what arrives of it (`bake/gloss.rs`):
+//!
+//! ```text
+//! L_gloss(x) = scale · b^T M(x) l        M_ij = ∫ h(n·ω) V(x, ω) y_i(ω) y_j(ω) dω, and what others send
+//! ```
+//!
+//! with b the lobe's power about its axis, fitted over the hemisphere in the weight h (`halfshade_sh::hemisphere`): what is below the
+//! horizon doesn't matter, and leaves room to be better above it. n⁴ products per receiver and lobe, since the eye
+//! and the light may change with every frame; 4 n⁴ bytes per vertex and channel, at most 4 GiB, else refused. Light of n bands on
+//! open surfaces is exact up to the fit's ridge (about 0.1 % of its mean), where something is hidden it errs by what n
+//! bands miss of the lobe: see [`sharpness`] for how sharp it may be. Light that glossy surfaces send to others is left out: what is met
+//! along a ray reflects as if it were diffuse.
+//!
+//! **Ringing.** A window (`window`) may lessen what few bands overshoot. On light, `nonnegative` leaves no direction below 0, and so no
+//! vertex, whatever hides it; channels have the same window, since others would change hues. On transfer, it has a window of its own
+//! for each vector, and says nothing of light that is itself negative; matrices have none. `light=zh3` keeps of three bands what
+//! is symmetric about the axis of the second \[Roughton2024\]; it costs as much as three bands here, and shows what five
+//! numbers a channel hold.
 //!
 //! **Phases.** `bake`: rays from every vertex of every object against all triangles (`bake/mod.rs`), in chunks that are cached as they
 //! are finished. `prepare`: one vector per channel. `shade`: a dot product per channel (`kernel/dot.rs`) which reads n² numbers
@@ -36,18 +54,25 @@
 
 pub mod arrays;
 mod bake;
+pub mod gloss_arrays;
 mod kernel;
 mod prepare;
 mod settings;
 mod shade;
+pub mod sharpness;
 
 use bake::{arrangement::Arrangement, bake, compress::Clusters, table::Transfer, volume::Volume};
-use halfshade_scene::{Cache, Frame, Pose, Progress, Scene};
+use halfshade_scene::{Cache, EyeLobes, Frame, Pose, Progress, Scene};
 use halfshade_strategy::{Baked, Detail, Effect, Effects, Footprint, Info, Params, Prepared, Strategy, StrategyError};
 use kernel::decode::Product;
-use prepare::{light::FrameLight, products, turns};
+use prepare::{light::FrameLight, products, shaped::LightShape, turns};
 use settings::Settings;
-use shade::{Shader, clusters::ClusterShader, volume::VolumeShader};
+use shade::{
+    Shader,
+    clusters::ClusterShader,
+    gloss::{GlossOver, GlossShader, LobeFits},
+    volume::VolumeShader,
+};
 
 /// The strategy.
 #[derive(Debug, Clone, Default)]
@@ -70,6 +95,10 @@ pub struct BakedScene {
     baked_from_world: Pose,
     /// Rotations of objects that move.
     turns: Vec<Vec<f32>>,
+    /// Nothing where no object is glossy.
+    lobes: Option<LobeFits>,
+    /// The largest exponent of gloss.
+    sharpest: Option<f64>,
 }
 
 impl Prt {
@@ -88,18 +117,26 @@ impl Prt {
         params: &Params,
         progress: &dyn Progress,
     ) -> Result<BakedScene, StrategyError> {
-        let settings = Settings::read(params);
+        let settings = Settings::of(params);
         let arrangement = Arrangement::of(scene, settings.moving)?;
+        if arrangement.has_movers() && scene.is_glossy() {
+            let reason =
+                "a volume of light knows what arrives at points, not how gloss sends it on; mask or ray-traced do";
+            return Err(StrategyError::Unsupported(reason.into()));
+        }
+        sharpness::note(scene, settings.bands, progress);
         let bake::Baked { transfer, volume } = bake(scene, &arrangement, &settings, &self.cache, progress)?;
         Ok(BakedScene {
             transfer,
             arrangement,
-            light: FrameLight::new(settings.bands, &scene.environment),
+            light: FrameLight::new(LightShape::new(&settings), settings.bands, &scene.environment),
             products: Vec::new(),
             volume,
             incoming: Vec::new(),
             baked_from_world: Pose::IDENTITY,
             turns: Vec::new(),
+            lobes: scene.is_glossy().then(|| LobeFits::new(settings.bands)),
+            sharpest: sharpness::sharpest(scene).map(|(_, exponent)| exponent),
         })
     }
 }
@@ -108,13 +145,14 @@ impl Strategy for Prt {
     fn info(&self) -> Info {
         Info {
             name: "prt",
-            summary: "precomputed radiance transfer: a vector per vertex of a scene that stands still, times the light's",
-            source: "[Sloan2002][Dachsbacher2017]",
+            summary: "precomputed radiance transfer: a vector per vertex of a scene that stands still, times the light's, a matrix where it is glossy",
+            source: "[Sloan2002][Dachsbacher2017][Sloan2017][Roughton2024]",
             parameters: Settings::parameters(),
             presets: &[],
             effects: Effects::of(&[
                 Effect::EnvironmentLight,
                 Effect::ColouredLight,
+                Effect::GlossyReflectance,
                 Effect::Interreflection,
                 Effect::Motion,
                 Effect::Deformation,
@@ -169,6 +207,9 @@ impl Baked for BakedScene {
         if let Some(volume) = &self.volume {
             parts.push(("volume of light", volume.bytes() + size_of_val(self.incoming.as_slice())));
         }
+        if let Some((table, fits)) = self.transfer.gloss.as_ref().zip(self.lobes.as_ref()) {
+            parts.push(("transfer matrices", table.bytes() + fits.bytes()));
+        }
         Footprint { parts }
     }
 
@@ -193,6 +234,12 @@ impl Baked for BakedScene {
             details.push(Detail { name: "steps of the volume of light along x, y, z".into(), values: steps.to_vec() });
             details.push(detail("points of it within solids", volume.inside as f64));
         }
+        if let Some(exponent) = self.sharpest {
+            details.push(Detail {
+                name: "largest exponent of gloss, and the largest that so many bands show".into(),
+                values: vec![exponent, sharpness::shown_exponent(self.transfer.bands)],
+            });
+        }
         details
     }
 
@@ -203,8 +250,8 @@ impl Baked for BakedScene {
             Some(clusters) => Box::new(ClusterShader { transfer, table: clusters.table(), light, products }),
             None => Box::new(Shader { transfer, light }),
         };
-        Ok(match &self.volume {
-            Some(volume) => Box::new(VolumeShader {
+        if let Some(volume) = &self.volume {
+            return Ok(Box::new(VolumeShader {
                 rest,
                 grid: volume.grid,
                 incoming: &self.incoming,
@@ -212,7 +259,13 @@ impl Baked for BakedScene {
                 baked_from_world: self.baked_from_world,
                 own: &volume.own,
                 turns: &self.turns,
-            }),
+            }));
+        }
+        let gloss = (transfer.gloss.as_ref().zip(self.lobes.as_ref())).zip(EyeLobes::new(frame));
+        Ok(match gloss {
+            Some(((table, fits), lobes)) => {
+                Box::new(GlossOver { rest, transfer, gloss: GlossShader { table, fits, light, lobes } })
+            }
             None => rest,
         })
     }

@@ -1,6 +1,7 @@
 //! Everything that can be set.
 
-use halfshade_strategy::{choice, settings};
+use halfshade_sh::window::Window;
+use halfshade_strategy::{Params, choice, settings};
 
 choice! {
     /// The light that transfer vectors know of.
@@ -29,12 +30,50 @@ choice! {
 }
 
 choice! {
+    /// Factors of bands against ringing.
+    pub(crate) enum WindowKind {
+        /// none
+        None = "none",
+        /// (1 + cos(π l/n))/2 of band l of n
+        Hann = "hann",
+        /// sin(π l/n)/(π l/n)
+        Lanczos = "lanczos",
+        /// the least window, of those of the squared Laplacian, that leaves light nowhere negative
+        Nonnegative = "nonnegative",
+    }
+}
+
+choice! {
     /// Objects that move against the others, or deform.
     pub(crate) enum Moving {
         /// scenes with any are refused
         Refuse = "refuse",
         /// they receive light from a volume of what arrives among the others, and hide none
         Volume = "volume",
+    }
+}
+
+choice! {
+    /// The place of a window. `hann` and `lanczos` give the same on light and on transfer, `nonnegative` doesn't.
+    pub(crate) enum WindowOn {
+        /// light
+        Light = "light",
+        /// transfer vectors, not matrices
+        Transfer = "transfer",
+        /// both
+        Both = "both",
+    }
+}
+
+choice! {
+    /// Functions that light is made of.
+    pub(crate) enum LightBasis {
+        /// spherical harmonics of all bands
+        Sh = "sh",
+        /// three bands, of the third what is symmetric about the axis of the second; `bands` is not read
+        Zh3 = "zh3",
+        /// two bands, and a third guessed from them; `bands` is not read
+        GuessedZh3 = "guessed-zh3",
     }
 }
 
@@ -57,5 +96,41 @@ settings! {
         "moving" => moving: Moving = Moving::Refuse;
         /// steps of the volume along its longest side
         "volume-steps" => volume_steps: usize = 12, in 1..=64;
+        /// factors of bands against ringing
+        "window" => window: WindowKind = WindowKind::None;
+        /// what the window is on
+        "window-on" => window_on: WindowOn = WindowOn::Light;
+        /// functions that light is made of
+        "light" => light: LightBasis = LightBasis::Sh;
+    }
+}
+
+impl Settings {
+    /// Settings as they are meant: zonal light has three bands.
+    pub(crate) fn of(params: &Params) -> Self {
+        let settings = Self::read(params);
+        let bands = if settings.light == LightBasis::Sh { settings.bands } else { halfshade_sh::zh3::BANDS };
+        Self { bands, ..settings }
+    }
+}
+
+impl WindowKind {
+    /// The window, where it is the same for all functions.
+    pub(crate) fn fixed(self) -> Window {
+        match self {
+            Self::Hann => Window::Hann,
+            Self::Lanczos => Window::Lanczos,
+            Self::None | Self::Nonnegative => Window::None,
+        }
+    }
+}
+
+impl WindowOn {
+    pub(crate) fn is_on_light(self) -> bool {
+        self != Self::Transfer
+    }
+
+    pub(crate) fn is_on_transfer(self) -> bool {
+        self != Self::Light
     }
 }

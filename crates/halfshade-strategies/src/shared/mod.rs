@@ -4,6 +4,7 @@
 pub(crate) mod adjustment;
 pub(crate) mod blockers;
 pub(crate) mod by_mesh;
+pub(crate) mod cosine_power;
 pub(crate) mod cosine_spiral;
 pub(crate) mod divided_light;
 pub(crate) mod irradiance;

@@ -15,7 +15,7 @@ const COLOURED: [Vec3; 2] = [Vec3::new(0.9, 0.3, 0.2), Vec3::new(0.2, 0.6, 0.9)]
 /// Whether the error is that of the truth: its root mean square that of the standard errors, its mean nothing, and its share beyond
 /// three standard errors that of Student's t with 15 degrees of freedom, 0.9 %, and what the truth's heavy tails add where few of
 /// its samples find what hides the light.
-fn assert_converged(what: &str, scene: &Scene, receivers: &ReceiverBuffer, found: &RadianceBuffer) {
+pub(crate) fn assert_converged(what: &str, scene: &Scene, receivers: &ReceiverBuffer, found: &RadianceBuffer) {
     let options = Options { samples: 256, bounces: scene.bounces, ..Options::default() };
     let truth = estimate(&Tracer::new(&scene.frame(0)), receivers.view(), &options, &Silent);
     let (mut squares, mut expected, mut sum, mut beyond, mut count) = (0.0, 0.0, 0.0, 0.0, 0.0);

@@ -4,6 +4,8 @@ mod closed_forms;
 mod compression;
 mod convergence;
 mod ends;
+mod gloss;
 mod motion;
+mod ringing;
 mod scenes;
 mod volume;

@@ -73,6 +73,7 @@ pub(super) const TESTS: &[(&str, Test)] = &[
     ("rest_irradiance", caps::rest_irradiance),
     ("transfer_dot", prt::dot),
     ("decoded_between", prt::decode),
+    ("transfer_lobe", prt::lobe),
     ("mask_four", mask::four),
     ("mask_cap", mask::cap),
     ("mask_directions", mask::directions),

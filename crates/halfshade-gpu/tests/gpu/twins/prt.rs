@@ -1,9 +1,14 @@
 //! Transfer times light.
 
-use super::{CALLS, compare, tolerance};
+use super::{CALLS, compare, compare_in_turn, tolerance};
+use glam::DVec3;
 use halfshade_gpu::{
     Gpu,
-    probe::{ClusterBetween, ClusterUniforms, Probe, TransferBetween, TransferFrame, Variable},
+    probe::{ClusterBetween, ClusterUniforms, Probe, TransferBetween, TransferFrame, Variable, fit_rows},
+};
+use halfshade_sh::{
+    basis,
+    hemisphere::{Weight, fitted},
 };
 use libtest_mimic::Failed;
 use rand::{RngExt, SeedableRng};
@@ -103,6 +108,76 @@ pub(super) fn decode(gpu: &Arc<Gpu>) -> Result<(), Failed> {
             .collect();
         let found = probe.call(gpu, &inputs)?;
         compare(&format!("{components} components"), tolerance(shader), &found, &expected, 3)?;
+    }
+    Ok(())
+}
+
+/// `max(axis·v, 0)^exponent` in eight bands, by the recurrence over degrees in double precision.
+fn power(axis: DVec3, exponent: f64) -> Vec<f64> {
+    let mut integrals = vec![1.0 / (exponent + 1.0), 1.0 / (exponent + 2.0)];
+    for l in 2..8 {
+        let degree = l as f64;
+        integrals.push(integrals[l - 2] * (exponent - degree + 2.0) / (exponent + degree + 1.0));
+    }
+    let y = basis::evaluate(8, axis.to_array()).into_iter().enumerate();
+    y.map(|(i, y)| std::f64::consts::TAU * integrals[i.isqrt()] * y).collect()
+}
+
+/// Lobes of every sharpness times a random matrix, of one channel and of three.
+pub(super) fn lobe(gpu: &Arc<Gpu>) -> Result<(), Failed> {
+    let shader = "prt/lobe.wgsl";
+    let mut random = Pcg64Mcg::seed_from_u64(62);
+    let exponents = [0.0_f32, 1.0, 7.5, 60.0, 1e3, 1e5];
+    for (bands, channels, weight) in
+        [(1, 1, Weight::Cosine), (3, 3, Weight::Equal), (4, 1, Weight::Cosine), (8, 3, Weight::Cosine)]
+    {
+        let (count, parts): (usize, usize) = (bands * bands, (bands * bands).div_ceil(4));
+        let mut vector = || -> Vec<f32> { (0..count).map(|_| random.random_range(-1.0..1.0)).collect() };
+        let light = [vector(), vector(), vector()];
+        let matrix: Vec<Vec<f32>> = (0..channels * count).map(|_| vector()).collect();
+        let fours = |vector: &Vec<f32>| -> Vec<[f32; 4]> {
+            (0..parts).map(|part| std::array::from_fn(|k| vector.get(4 * part + k).copied().unwrap_or(0.0))).collect()
+        };
+        let fit = weight.fit(bands, 8);
+        let single: Vec<f32> = fit.iter().map(|value| *value as f32).collect();
+        let mut rows: Vec<[f32; 4]> = fit_rows(bands, &single);
+        let first = rows.len();
+        rows.extend(matrix.iter().flat_map(fours));
+        let calls: Vec<(DVec3, f32)> = (0..CALLS)
+            .map(|i| {
+                let [x, y, z] = [(); 3].map(|()| random.random_range(-1.0..1.0));
+                (DVec3::new(x, y, z).normalize_or(DVec3::Z).as_vec3().as_dvec3(), exponents[i % exponents.len()])
+            })
+            .collect();
+        let inputs: Vec<[f32; 4]> = calls.iter().map(|(axis, e)| axis.as_vec3().extend(*e).to_array()).collect();
+        let frame = TransferFrame::new(&light);
+        let points = [TransferBetween::default()];
+        let variables = [
+            Variable::storage_struct(0, "frame", &frame),
+            Variable::storage(1, "rows", &rows),
+            Variable::storage(2, "points", &points),
+        ];
+        let constants = [("PARTS", parts as f64), ("CHANNELS", channels as f64), ("BANDS", bands as f64)];
+        let body = format!("output[0] = vec4f(lobe_product({first}u, 0u, input[0].xyz, input[0].w), 0.0);");
+        let probe =
+            Probe { shader, bands: None, constants: &constants, rows: [1, 1], body: &body, variables: &variables };
+        let expected: Vec<f64> = calls
+            .iter()
+            .flat_map(|(axis, exponent)| {
+                let lobe = fitted(&fit, bands, 8, &power(*axis, f64::from(*exponent)));
+                (0..3).map(move |channel| (channel, lobe.clone())).collect::<Vec<_>>()
+            })
+            .map(|(channel, lobe)| {
+                let rows = matrix[count * channel.min(channels - 1)..].iter().zip(&lobe);
+                let dot = |row: &Vec<f32>| -> f64 {
+                    row.iter().zip(&light[channel]).map(|(m, l)| f64::from(*m) * f64::from(*l)).sum()
+                };
+                rows.map(|(row, b)| b * dot(row)).sum()
+            })
+            .collect();
+        let found = probe.call(gpu, &inputs)?;
+        let what = format!("{bands} bands, {channels} matrices");
+        compare_in_turn(&what, &exponents, tolerance(shader), &found, &expected, 3)?;
     }
     Ok(())
 }

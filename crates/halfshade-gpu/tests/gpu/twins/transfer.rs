@@ -62,7 +62,7 @@ fn shape(bands: usize, lobe: &Lobe, normal: DVec3) -> Vec<f64> {
 /// Exponents from none to the sharpest.
 pub(super) fn cosine_power(gpu: &Arc<Gpu>) -> Result<(), Failed> {
     let mut random = Pcg64Mcg::seed_from_u64(20);
-    let shader = "shadow_field/cosine_power.wgsl";
+    let shader = "shared/cosine_power.wgsl";
     let body = given("cosine_power(input[0].xyz, input[0].w)", "0u");
     for bands in 1..=MAX_WGSL_BANDS {
         let count = bands * bands;

@@ -34,8 +34,8 @@ pub(crate) struct Hemisphere {
 impl Hemisphere {
     pub(crate) fn new(bands: usize, count: usize) -> Self {
         let spiral: Vec<DVec3> = cosine_spiral(count).collect();
-        let weights =
-            weights((1..=bands).rev().find(|b| b * b * DIRECTIONS_PER_FUNCTION <= count).unwrap_or(1), &spiral);
+        let exact = open_transfer(exact_bands(bands, count), DVec3::Z);
+        let weights = weights(&vec![1.0 / count as f64; count], &exact, &spiral);
         let values = spiral.iter().zip(&weights).flat_map(|(direction, weight)| {
             let y = basis::evaluate(bands, direction.to_array());
             y.into_iter().map(move |value| weight * value)
@@ -103,19 +103,25 @@ fn axis_of(normal: Vec3) -> DVec3 {
     normal.as_dvec3().normalize_or(DVec3::Y)
 }
 
-/// Weights near 1/K that are exact for so many bands.
-fn weights(bands: usize, directions: &[DVec3]) -> Vec<f64> {
-    let equal = 1.0 / directions.len() as f64;
+/// Bands, at most so many, for which sums over directions can be exact.
+pub(crate) fn exact_bands(bands: usize, directions: usize) -> usize {
+    (1..=bands).rev().find(|b| b * b * DIRECTIONS_PER_FUNCTION <= directions).unwrap_or(1)
+}
+
+/// Weights near `base` with which sums over the directions are the SH vector `exact`.
+pub(crate) fn weights(base: &[f64], exact: &[f64], directions: &[DVec3]) -> Vec<f64> {
+    let bands = exact.len().isqrt();
     let columns: Vec<_> =
         directions.iter().map(|direction| DVector::from_vec(basis::evaluate(bands, direction.to_array()))).collect();
     let y = DMatrix::from_columns(&columns);
-    let exact = DVector::from_vec(open_transfer(bands, DVec3::Z));
-    let missing = exact - &y * DVector::repeat(directions.len(), equal);
-    let gram = (&y * y.transpose()).svd(true, true);
+    let missing = DVector::from_column_slice(exact) - &y * DVector::from_column_slice(base);
+    let mut weighted = y.clone();
+    weighted.column_iter_mut().zip(base).for_each(|(mut column, base)| column *= *base);
+    let gram = (&weighted * y.transpose()).svd(true, true);
     let least = 1e-12 * gram.singular_values.max();
     // Both factors were asked for.
     let change = gram.solve(&missing, least).unwrap_or_else(|_| DVector::zeros(missing.len()));
-    (y.tr_mul(&change)).iter().map(|change| equal + change).collect()
+    base.iter().zip(weighted.tr_mul(&change).iter()).map(|(base, change)| base + change).collect()
 }
 
 #[cfg(test)]

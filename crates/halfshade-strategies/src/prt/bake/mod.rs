@@ -15,12 +15,15 @@
 pub(crate) mod arrangement;
 mod chunks;
 pub(crate) mod compress;
+pub(crate) mod gloss;
+pub(crate) mod gloss_table;
 pub(crate) mod hemisphere;
 mod passes;
 pub(crate) mod rows;
 mod surface;
 pub(crate) mod table;
 pub(crate) mod volume;
+mod windowed;
 
 use super::{
     kernel::{dot::PADDING, grid::Grid},
@@ -29,6 +32,8 @@ use super::{
 use arrangement::Arrangement;
 use chunks::{Chunks, colour_key, shape_key};
 use compress::Clusters;
+use gloss::GlossPasses;
+use gloss_table::GlossTable;
 use halfshade_scene::{Cache, Frame, Progress, Scene};
 use halfshade_strategy::StrategyError;
 use hemisphere::Hemisphere;
@@ -72,19 +77,30 @@ pub(crate) fn bake(
     progress.start("transfer", (rows.points.len() * (1 + bounces) + probe_count) as u64);
     let hemisphere = Hemisphere::new(settings.bands, settings.directions);
     let objects = scene.objects.iter().map(|object| object.mesh.clone()).zip(rows.objects.iter().copied()).collect();
-    let mut transfer =
-        Transfer { bands: settings.bands, channels: 1, bounces, objects, values: Vec::new(), clusters: None };
+    let mut transfer = Transfer {
+        bands: settings.bands,
+        channels: 1,
+        bounces,
+        objects,
+        values: Vec::new(),
+        clusters: None,
+        gloss: None,
+    };
+    let channels = if bounces == 0 || scene.objects.iter().all(|object| object.is_grey()) { 1 } else { 3 };
+    let gloss = GlossTable::plan(&frame, &rows, settings.bands, channels)?;
     let volume = if !is_traced {
         let open = |(_, normal): &_| hemisphere.open(*normal).into_iter().map(|value| value as f32);
         transfer.values = rows.points.par_iter().flat_map_iter(open).collect();
+        transfer.gloss = gloss.map(|table| gloss::open(table, &rows.points, settings.bands));
         progress.advance((rows.points.len() + probe_count) as u64);
         grid.map(|grid| Volume::open(grid, settings.bands))
     } else {
         let surfaces = Surfaces::new(&frame, &rows);
         let chunks = Chunks::new(cache, progress);
         let passes = Passes { hemisphere: &hemisphere, surfaces: &surfaces, points: &rows.points, chunks: &chunks };
-        trace(&frame, &passes, &mut transfer, grid)?
+        trace(&frame, &passes, &mut transfer, Extras { channels, grid, gloss })?
     };
+    windowed::window(&mut transfer.values, settings);
     transfer.values.iter_mut().filter(|value| !value.is_finite()).for_each(|value| *value = 0.0);
     transfer.clusters = Clusters::of(&transfer.values, transfer.width(), settings, cache, progress)?;
     if transfer.clusters.is_some() {
@@ -94,19 +110,27 @@ pub(crate) fn bake(
     Ok(Baked { transfer, volume: volume.map(|volume| Volume { own, ..volume }) })
 }
 
+/// What is traced beside vectors, and how many of those there are per row.
+struct Extras {
+    channels: usize,
+    /// Points of a volume of light.
+    grid: Option<Grid>,
+    /// Matrices to fill in.
+    gloss: Option<GlossTable>,
+}
+
 /// Traces rays from all rows of the table, and from all points of a grid, if there is one.
 fn trace(
     frame: &Frame<'_>,
     passes: &Passes<'_>,
     transfer: &mut Transfer,
-    grid: Option<Grid>,
+    Extras { channels, grid, gloss }: Extras,
 ) -> Result<Option<Volume>, StrategyError> {
     let Passes { hemisphere, surfaces, chunks, .. } = passes;
     let (bands, directions) = (transfer.bands, hemisphere.count());
     let shape = shape_key(frame, directions);
     let direct = passes.direct(&shape)?;
     transfer.values = direct.iter().flat_map(|direct| &direct.values).copied().collect();
-    let channels = if transfer.bounces == 0 || surfaces.are_grey() { 1 } else { 3 };
     let key = |bounce: usize| colour_key(&shape, frame, bands).value(&(bounce as u64));
     // Light that arrives at a point has been reflected once less than light that leaves a receiver there.
     let volume = |reflected: Option<&Transfer>| -> Result<Option<Volume>, StrategyError> {
@@ -115,13 +139,22 @@ fn trace(
         let probes = Probes { grid, surfaces, chunks, directions, bands };
         Ok(Some(probes.volume(&key, reflected, channels)?))
     };
+    let gloss_passes = gloss.is_some().then(|| GlossPasses::new(passes, &direct, bands));
+    let mut gloss = gloss.zip(gloss_passes);
     if transfer.bounces == 0 {
+        if let Some((table, passes)) = gloss {
+            transfer.gloss = Some(passes.fill(table, channels, None)?);
+        }
         return volume(None);
     }
     let mut found = None;
     for bounce in 1..=transfer.bounces {
         if bounce == transfer.bounces {
             found = volume(Some(transfer))?;
+            if let Some((table, passes)) = gloss.take() {
+                let key = table.key(&key(bounce));
+                transfer.gloss = Some(passes.fill(table, channels, Some((transfer, &key)))?);
+            }
         }
         transfer.values = passes.bounce(&key(bounce), &direct, transfer, channels)?;
         transfer.channels = channels;

@@ -20,7 +20,7 @@ pub(crate) struct Passes<'a> {
 pub(crate) struct DirectRow {
     pub(crate) values: Vec<f32>,
     /// A bit per direction, 1 where something is in the way; empty if nothing is anywhere.
-    blocked: Vec<u64>,
+    pub(crate) blocked: Vec<u64>,
 }
 
 impl Passes<'_> {
@@ -88,13 +88,13 @@ impl Passes<'_> {
     }
 
     /// Direction k of a row, in the world.
-    fn along(&self, frame: &DMat3, k: usize) -> Vec3 {
+    pub(crate) fn along(&self, frame: &DMat3, k: usize) -> Vec3 {
         (*frame * self.hemisphere.direction(k)).as_vec3()
     }
 }
 
 /// Adds `weight · albedo · T` of a row, channel by channel.
-fn add_row(sum: &mut [f64], before: &Transfer, row: usize, weight: f64, albedo: Vec3) {
+pub(crate) fn add_row(sum: &mut [f64], before: &Transfer, row: usize, weight: f64, albedo: Vec3) {
     let count = before.bands * before.bands;
     for (channel, sum) in sum.chunks_exact_mut(count).enumerate() {
         let factor = weight * f64::from(albedo[channel]);
@@ -104,7 +104,7 @@ fn add_row(sum: &mut [f64], before: &Transfer, row: usize, weight: f64, albedo: 
 }
 
 /// Numbers of the bits that are 1.
-fn set_bits(words: &[u64]) -> impl Iterator<Item = usize> {
+pub(crate) fn set_bits(words: &[u64]) -> impl Iterator<Item = usize> {
     words.iter().enumerate().flat_map(|(place, &word)| {
         let rest = |word: &u64| Some(word & (word - 1)).filter(|rest| *rest != 0);
         let words = std::iter::successors(Some(word).filter(|word| *word != 0), rest);

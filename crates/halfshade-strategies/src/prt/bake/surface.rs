@@ -86,9 +86,4 @@ impl Surfaces {
         let outward = face.dot(weighted.map(|(vertex, weight)| weight * normal(vertex)).sum());
         if leaves { outward > 0.0 } else { outward < 0.0 }
     }
-
-    /// Whether no surface reflects one channel more than another.
-    pub(crate) fn are_grey(&self) -> bool {
-        self.objects.iter().all(|placed| placed.object.is_grey())
-    }
 }

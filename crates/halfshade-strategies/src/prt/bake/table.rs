@@ -1,6 +1,6 @@
 //! The table of transfer vectors.
 
-use super::{compress::Clusters, rows::ObjectRows};
+use super::{compress::Clusters, gloss_table::GlossTable, rows::ObjectRows};
 use crate::prt::kernel::dot::PADDING;
 use halfshade_scene::Mesh;
 use std::sync::Arc;
@@ -17,6 +17,8 @@ pub(crate) struct Transfer {
     pub(crate) values: Vec<f32>,
     /// Stored instead of those, which are none then, where they are compressed.
     pub(crate) clusters: Option<Clusters>,
+    /// Matrices of glossy objects, as many per row as there are vectors; nothing where none is glossy.
+    pub(crate) gloss: Option<GlossTable>,
 }
 
 impl Transfer {

@@ -11,13 +11,13 @@ use wide::f32x8;
 pub(crate) const PADDING: usize = LANES - 1;
 
 /// Eights of the longest vector.
-const MOST_EIGHTS: usize = MAX_BANDS * MAX_BANDS / LANES;
+pub(super) const MOST_EIGHTS: usize = MAX_BANDS * MAX_BANDS / LANES;
 
 /// Light by channel and eight coefficients; zeros past the last.
 pub(crate) type LightVectors = [[f32x8; MOST_EIGHTS]; 3];
 
 /// Partial sums of one receiver, by channel.
-type Partial = [f32x8; 3];
+pub(crate) type Partial = [f32x8; 3];
 
 /// Rows of the table that a receiver lies between, and their weights; a weight of 0 goes with any row.
 pub(crate) type Between = [(usize, f32); 3];
@@ -66,14 +66,20 @@ pub(crate) fn between_rows<const N: usize, const C: usize>(
 }
 
 #[inline(always)]
-fn eight_at(table: &[f32], place: usize) -> f32x8 {
+pub(super) fn eight_at(table: &[f32], place: usize) -> f32x8 {
     let eight: [f32; LANES] = table[place..place + LANES].try_into().unwrap_or_default();
     f32x8::from(eight)
 }
 
 /// Adds eight products of a vector, which is that of all channels or of one.
 #[inline(always)]
-fn add<const C: usize>(values: f32x8, vector: usize, eight: usize, light: &LightVectors, sums: &mut Partial) {
+pub(super) fn add<const C: usize>(
+    values: f32x8,
+    vector: usize,
+    eight: usize,
+    light: &LightVectors,
+    sums: &mut Partial,
+) {
     if C == 1 {
         (0..3).for_each(|channel| sums[channel] = values.mul_add(light[channel][eight], sums[channel]));
     } else {

@@ -3,4 +3,5 @@
 pub(crate) mod decode;
 pub(crate) mod dot;
 pub(crate) mod grid;
+pub(crate) mod lobe;
 pub(crate) mod volume;

@@ -1,9 +1,6 @@
 //! Light from infinitely far, turned into the space that transfer was baked in.
 
-use crate::{
-    prt::{bake::arrangement::Arrangement, kernel::dot::LightVectors},
-    shared::projected_light::project_environment,
-};
+use crate::prt::{bake::arrangement::Arrangement, kernel::dot::LightVectors, prepare::shaped::LightShape};
 use glam::{DMat3, Mat3};
 use halfshade_scene::{Environment, Frame};
 use halfshade_sh::{kernel::LANES, rotation::ShRotation, zonal};
@@ -13,6 +10,7 @@ use wide::f32x8;
 #[derive(Debug)]
 pub(crate) struct FrameLight {
     pub(crate) bands: usize,
+    shape: LightShape,
     environment: Environment,
     /// The environment's vectors in its own space, which a turn doesn't change.
     projected: [Vec<f64>; 3],
@@ -28,10 +26,11 @@ pub(crate) struct FrameLight {
 
 impl FrameLight {
     /// The light of `environment`, not turned.
-    pub(crate) fn new(bands: usize, environment: &Environment) -> Self {
-        let projected = project_environment(bands, environment);
+    pub(crate) fn new(shape: LightShape, bands: usize, environment: &Environment) -> Self {
+        let projected = shape.projected(bands, environment);
         let mut light = Self {
             bands,
+            shape,
             environment: environment.clone(),
             projected,
             coefficients: Default::default(),
@@ -47,7 +46,7 @@ impl FrameLight {
     pub(crate) fn set(&mut self, frame: &Frame<'_>, arrangement: &Arrangement) {
         if !self.environment.is_same_as(&frame.scene.environment) {
             self.environment = frame.scene.environment.clone();
-            self.projected = project_environment(self.bands, &self.environment);
+            self.projected = self.shape.projected(self.bands, &self.environment);
         }
         let baked_from_world = arrangement.baked_from_world(&frame.world_from_object);
         self.baked_from_world = baked_from_world.as_mat3();

@@ -2,4 +2,5 @@
 
 pub(crate) mod light;
 pub(crate) mod products;
+pub(crate) mod shaped;
 pub(crate) mod turns;

@@ -1,6 +1,7 @@
 //! Receivers, eight at a time.
 
 pub(crate) mod clusters;
+pub(crate) mod gloss;
 pub(crate) mod place;
 pub(crate) mod volume;
 

@@ -1,7 +1,6 @@
 //! Arrays and numbers in, numbers out: the parts of shading that a GPU would run as they are.
 
 pub(crate) mod bounded_product;
-pub(crate) mod cosine_power;
 pub(crate) mod cube_cap;
 pub(crate) mod light_order;
 pub(crate) mod light_product;

@@ -64,5 +64,6 @@ fn of_body(
         objects: vec![(object.mesh.clone(), rows.objects[0])],
         values: values.chain([0.0; PADDING]).collect(),
         clusters: None,
+        gloss: None,
     })
 }

@@ -1,7 +1,7 @@
 //! BRDFs as SH vectors: what receivers reflect beside their diffuse part.
 
 use super::batch::Batch;
-use crate::shadow_field::{kernel::cosine_power::cosine_power, prepare::frame::FrameData};
+use crate::{shadow_field::prepare::frame::FrameData, shared::cosine_power::cosine_power};
 use glam::Vec3;
 use halfshade_scene::{EyeLobes, Lobes, lobe::MAX_LOBES};
 use halfshade_sh::kernel::{self, LANES, ShBatch};

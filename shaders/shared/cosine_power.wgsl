@@ -1,4 +1,4 @@
-// Powers of a clamped cosine in spherical harmonics: twin of `shadow_field/kernel/cosine_power.rs`.
+// Powers of a clamped cosine in spherical harmonics: twin of `shared/cosine_power.rs`.
 #import "common/constants.wgsl"
 
 // `max(a·v, 0)^e`: band l is `2π I_l y_l(a)`, `I_l = I_{l-2} (e - l + 2)/(e + l + 1)`.
