@@ -110,7 +110,7 @@ pub(crate) fn bake(
     Ok(Baked { transfer, volume: volume.map(|volume| Volume { own, ..volume }) })
 }
 
-/// What is traced beside vectors, and how many of those there are per row.
+/// Everything that is traced beside vectors, and the number of those per row.
 struct Extras {
     channels: usize,
     /// Points of a volume of light.
