@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{
     Experiment, HarnessError, ReferenceKind, Variant, Weighting, experiment::TimingSettings, file_names,
-    reference::Accuracy, report::LEAST_FRAMES, variant,
+    reference::Accuracy, report::LEAST_FRAMES, stability::StabilityFigures, variant,
 };
 use halfshade_scene::InputFile;
 use halfshade_strategy::Strategy;
@@ -43,6 +43,8 @@ pub struct Plan {
     pub classes: bool,
     /// Whether strategies are asked for figures that only they have.
     pub details: bool,
+    /// Bounds on how strategies behave, if they are to be told.
+    pub stability: Option<StabilityFigures>,
     /// Places in `variants` of pairs that are compared with each other.
     pub pairs: Vec<[usize; 2]>,
     /// Place in `variants` of the one that all others are compared with in verdicts.
@@ -149,6 +151,7 @@ impl Plan {
             weights: experiment.weights,
             classes: experiment.classes,
             details: experiment.details,
+            stability: experiment.stability.as_ref().map(|bounds| *bounds.get_ref()),
             pairs,
             baseline,
             variants,

@@ -9,6 +9,7 @@ use crate::{
     metrics::compare,
     results::{Detail, ErrorFigures, Memory, Run, Status, TimeFigures},
     shading::{count_not_finite, shade_frame},
+    stability::{Stability, StabilityFigures},
 };
 use halfshade_scene::{RadianceBuffer, Scene};
 use halfshade_strategy::{Baked, Effects, StrategyError};
@@ -31,15 +32,17 @@ pub(super) struct Shaded {
 struct Refusal {
     status: Status,
     reason: String,
+    /// How many values are not finite.
+    not_finite: usize,
 }
 
 impl Refusal {
     fn failed(reason: String) -> Self {
-        Self { status: Status::Failed, reason }
+        Self { status: Status::Failed, reason, not_finite: 0 }
     }
 
     fn unsupported(reason: String) -> Self {
-        Self { status: Status::Unsupported, reason }
+        Self { status: Status::Unsupported, reason, not_finite: 0 }
     }
 }
 
@@ -61,8 +64,10 @@ pub(super) fn score(setup: &Setup<'_>, group: &Group<'_>, place: usize) -> Score
         Ok((bake_secs, shaded)) => {
             Scored { runs: compared(setup, group, place, bake_secs, &shaded), shaded: Some(shaded) }
         }
-        Err(Refusal { status, reason }) => {
-            Scored { runs: vec![Run { status, reason: Some(reason), ..blank.clone() }], shaded: None }
+        Err(Refusal { status, reason, not_finite }) => {
+            let is_told = setup.plan.stability.is_some() && not_finite > 0;
+            let stability = is_told.then_some(Stability { not_finite, figures: None });
+            Scored { runs: vec![Run { status, reason: Some(reason), stability, ..blank.clone() }], shaded: None }
         }
     }
 }
@@ -81,7 +86,8 @@ fn shade_once(setup: &Setup<'_>, group: &Group<'_>, place: usize) -> Result<(f64
     let radiance = shade_frame(baked.as_mut(), frame, group.receivers.view())?;
     let broken = count_not_finite(&radiance);
     if broken > 0 {
-        return Err(Refusal::failed(format!("{broken} of {} values are not finite", 3 * radiance.len())));
+        let reason = format!("{broken} of {} values are not finite", 3 * radiance.len());
+        return Err(Refusal { not_finite: broken, ..Refusal::failed(reason) });
     }
     Ok((bake_secs, Shaded { baked, radiance }))
 }
@@ -98,9 +104,15 @@ fn compared(setup: &Setup<'_>, group: &Group<'_>, place: usize, bake_secs: f64, 
     let details = details.into_iter().map(|detail| Detail { name: detail.name, values: detail.values });
     let details: Vec<Detail> = details.collect();
     let run_against = |traced: &Traced| {
+        let error = figures(traced.kind, group.frame.scene, radiance, &traced.reference)?;
+        let stability = plan.stability.filter(|_| traced.kind == ReferenceKind::Mesh).map(|_| Stability {
+            not_finite: 0,
+            figures: StabilityFigures::of(radiance, &traced.reference, &error.metrics, &group.neighbours),
+        });
         Some(Run {
             status: Status::Ok,
-            error: Some(figures(traced.kind, group.frame.scene, radiance, &traced.reference)?),
+            error: Some(error),
+            stability,
             truth: Some(traced.figures(&traced.reference)),
             time: Some(TimeFigures::of(bake_secs, setup.threads, Vec::new())),
             memory: Some(memory.clone()),
