@@ -34,6 +34,9 @@
 //! spheres = 64                       # leaf spheres in all, shared out among the objects as the scene's own are
 //! fit = "shadow"                     # or "bounding": what all sphere sets are fitted to, if other than the scene's own
 //! camera = { eye = [0, 1, 4], target = [0, 0.5, 0], vertical_fov_degrees = 20 }   # another view, such as a close-up
+//! sweep = { spheres = [10, 20], bounces = [0, 1] }   # every combination, each a scene of its own. Keys are those above, but for
+//!                                    # frames, receivers, camera; or, where it is a scene file, paths into that:
+//!                                    # "light.1.radiance", "object.bunny.albedo", "environment.sky.turbidity"
 //! [[scene.published]]
 //! method = "Ren et al. pixel shader"
 //! hardware = "GeForce 8800 GTX"
@@ -50,12 +53,13 @@ mod compose;
 mod fields;
 mod kinds;
 mod only;
+mod scene_sweep;
 
 pub use compose::Comparison;
 pub use kinds::{ReceiverKind, ReferenceKind};
 
 use crate::{Device, HarnessError, Weighting};
-use halfshade_scene::{SphereFit, text};
+use halfshade_scene::{SphereFit, file::Change, text};
 use serde::{Deserialize, Serialize};
 use std::{
     collections::BTreeMap,
@@ -150,9 +154,18 @@ pub struct SceneEntry {
     pub spheres: Option<NonZeroUsize>,
     /// Aim of all sphere sets, if other than the scene's; then the scene's name says so.
     pub fit: Option<SphereFit>,
+    /// Values of other keys, or of paths into the scene file, each of which is run: key and list.
+    #[serde(default, deserialize_with = "scene_sweep::lists")]
+    pub sweep: Vec<(String, Spanned<Vec<toml::Value>>)>,
     /// Published figures to stand beside ours.
     #[serde(default)]
     pub published: Vec<Published>,
+    /// Values of the scene file that are others.
+    #[serde(skip)]
+    pub changes: Vec<Change>,
+    /// Words by which the scene's name tells what else was swept.
+    #[serde(skip)]
+    pub told: Vec<String>,
 }
 
 /// Camera of pictures.

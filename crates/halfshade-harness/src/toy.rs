@@ -14,7 +14,7 @@ settings! {
     /// The settings of `dim`.
     struct Dimming {
         /// radiance by albedo
-        "factor" => factor: f32 = 1.0, in 0.0..=1.0;
+        "factor" => factor: f32 = 1.0, in 0.0..=1.0, levels ["0.25", "0.5", "1"];
     }
 }
 

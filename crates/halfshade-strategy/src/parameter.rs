@@ -11,6 +11,9 @@ pub struct Parameter {
     pub summary: &'static str,
     /// Type, default and range.
     pub kind: ParameterKind,
+    /// Values that trade error for time, from the cheapest to the most exact, as a SPEC sets them: what a search tries. Empty of
+    /// parameters that aren't there for that.
+    pub levels: &'static [&'static str],
 }
 
 /// Values of some parameters under one name, such as those of the published method.

@@ -54,6 +54,7 @@ pub(crate) fn example() -> Results {
         claim: "fast is not exact".into(),
         experiment_hash: "00".into(),
         inputs: Some(vec![InputFile { path: "../scene.toml".into(), blake3: "01".into() }]),
+        part: None,
         quick: false,
         revision: "0.1.0".into(),
         machine: Machine { cpu: "an abacus".into(), threads: 2, gpu: None, os: "none".into() },

@@ -7,7 +7,7 @@ use crate::{
     clock::time_secs,
     image_metrics::Similarity,
     metrics::compare,
-    results::{Detail, ErrorFigures, Memory, Run, Status, TimeFigures},
+    results::{Detail, ErrorFigures, Memory, REFERENCE, Run, Status, TimeFigures},
     shading::{count_not_finite, shade_frame},
 };
 use halfshade_scene::{RadianceBuffer, Scene};
@@ -118,7 +118,7 @@ pub(super) fn reference_rows(group: &Group<'_>) -> Vec<Run> {
     let row = |other: &Traced| {
         let both = mesh.with_noise_of_difference(&other.reference);
         Some(Run {
-            strategy: "reference".into(),
+            strategy: REFERENCE.into(),
             label: format!("reference: {}", other.kind),
             params: BTreeMap::from([("reference".to_owned(), other.kind.to_string().into())]),
             status: Status::Ok,

@@ -81,7 +81,7 @@ settings! {
         /// what is multiplied first
         "order" => order: Order = Order::LightFirst;
         /// levels of the mask's quad-tree below its root; 0 is the root alone
-        "depth" => depth: usize = 5, in 0..=MAX_DEPTH;
+        "depth" => depth: usize = 5, in 0..=MAX_DEPTH, levels ["3", "4", "5", "6"];
         /// partly covered cells of the last level
         "leaves" => leaves: Leaves = Leaves::Fraction;
         /// for order=published: how lobes that overlap are weighted
@@ -104,7 +104,7 @@ settings! {
         /// small bright parts of an environment map that become lights of their own, at most
         "env-lamps" => environment_lamps: usize = 2, in 0..=8;
         /// lobes fitted to an environment map, beside a constant
-        "env-lobes" => environment_lobes: usize = 16, in 0..=64;
+        "env-lobes" => environment_lobes: usize = 16, in 0..=64, levels ["4", "8", "16", "32"];
         /// cells along each side of a hemisphere that blockers cover, as a power of 2
         "env-depth" => environment_depth: usize = 5, in 3..=6;
     }

@@ -18,7 +18,7 @@ settings! {
     pub(crate) struct Settings {
         /// directions that each receiver looks into: as many of the sky, as many shared by all lamps, half as many along each
         /// glossy lobe
-        "directions" => directions: usize = 64, in 8..=1024;
+        "directions" => directions: usize = 64, in 8..=1024, levels ["16", "32", "64", "128", "256", "512"];
         /// cells of the grid of normals that have directions of their own, from its centre to its side; 0: one set for all
         "normals" => normals: usize = 3, in 0..=8;
         /// width over which a sphere's edge closes a direction, in radii of the direction's cell; 0: it is open or closed

@@ -81,7 +81,7 @@ settings! {
     /// Everything that can be set.
     pub(crate) struct Settings {
         /// bands of light and transfer
-        "bands" => bands: usize = 4, in 1..=8;
+        "bands" => bands: usize = 4, in 1..=8, levels ["2", "3", "4", "5", "6", "8"];
         /// light that transfer vectors know of
         "transfer" => transfer: TransferKind = TransferKind::Interreflected;
         /// rays from each vertex when transfer is baked

@@ -77,7 +77,7 @@ settings! {
         /// basis of fields
         "basis" => basis: Basis = Basis::Sh;
         /// SH: bands of visibility
-        "bands" => bands: usize = 4, in 1..=8;
+        "bands" => bands: usize = 4, in 1..=8, levels ["2", "3", "4", "5", "6"];
         /// concentric shells
         "shells" => shells: usize = 32, in 1..=128;
         /// shells within the first, each half as large as the next; 0 as published
