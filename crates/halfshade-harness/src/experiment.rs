@@ -10,6 +10,7 @@
 //! weights = "area"                   # vertices count by the area around them; or "equal": all alike. Default area
 //! classes = true                     # error by class of what hides the light at a receiver; default true
 //! details = true                     # also what only one strategy tells, such as the resolution it chose; default false
+//! stages = false                     # also the error taken apart: each stage of a method made exact in turn; default false
 //! baseline = "A"                     # a SPEC that verdicts compare all others with; default what errs least
 //! compare = [["A", "B"]]             # pairs of SPECs that are compared with each other too; default none
 //!
@@ -98,6 +99,9 @@ pub struct Experiment {
     /// Whether strategies are asked for figures that only they have.
     #[serde(default)]
     pub details: bool,
+    /// Whether errors are taken apart by the stages of each method.
+    #[serde(default)]
+    pub stages: bool,
     /// SPEC of the strategy that verdicts compare all others with.
     pub baseline: Option<Spanned<String>>,
     /// Pairs of SPECs that are compared with each other.

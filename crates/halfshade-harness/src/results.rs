@@ -148,6 +148,24 @@ pub struct Run {
     /// Figures that only this strategy has, if the experiment asks for them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub details: Vec<Detail>,
+    /// Its error taken apart by stages, if the experiment asks for it; of the runs against the mesh.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stages: Vec<StageError>,
+}
+
+/// The part of an error that a stage makes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StageError {
+    /// The stage.
+    pub stage: String,
+    /// Root mean square of what changes when it is made exact, after all stages before it, in radiance.
+    pub rms: f64,
+    /// Share of the mean squared error: the mean product of that change and the whole error over the mean square of this. Shares sum
+    /// to 1; a negative one hides errors of others.
+    pub share: f64,
+    /// Shares of the mean squared error of each class of receivers.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub classes: BTreeMap<String, f64>,
 }
 
 /// A list of figures under a name.

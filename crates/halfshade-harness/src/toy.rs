@@ -2,7 +2,7 @@
 
 use halfshade_scene::{Frame, Progress, RadianceMut, Receivers, Scene};
 use halfshade_strategy::{
-    Baked, Effect, Effects, Footprint, Info, Params, Prepared, Preset, Strategy, StrategyError, settings,
+    Baked, Effect, Effects, Footprint, Info, Params, Prepared, Preset, Stage, Strategy, StrategyError, settings,
 };
 
 /// `dim` answers albedo times a factor, `black` answers nothing and cannot model local lights, `broken` answers NaN.
@@ -34,6 +34,10 @@ impl Strategy for Toy {
             },
             presets: match self.0 {
                 "dim" => &[Preset { name: "half", summary: "half of it", settings: "factor=0.5" }],
+                _ => &[],
+            },
+            stages: match self.0 {
+                "dim" => &[Stage { name: "factor", exact: "factor=1" }],
                 _ => &[],
             },
             effects: Effects::of(&[Effect::EnvironmentLight, Effect::ColouredLight, Effect::Motion]),

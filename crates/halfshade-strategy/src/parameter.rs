@@ -27,6 +27,15 @@ pub struct Preset {
     pub settings: &'static str,
 }
 
+/// A stage of a method at which it errs, and the settings with which it doesn't, or as little as the method allows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Stage {
+    /// Its name: `bands`, `hierarchy`.
+    pub name: &'static str,
+    /// Settings of its exact counterpart: `key=value,key=value`.
+    pub exact: &'static str,
+}
+
 /// One of the words that a parameter may be set to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Word {

@@ -7,9 +7,7 @@ use crate::{
 
 /// A scene under a lamp whose radiance can be swept.
 fn lit() -> String {
-    format!(
-        "{SCENE}[[light]]\nsphere = {{ center = [0, 3, 0], radius = 0.5 }}\nradiance = [4, 4, 4]\n"
-    )
+    format!("{SCENE}[[light]]\nsphere = {{ center = [0, 3, 0], radius = 0.5 }}\nradiance = [4, 4, 4]\n")
 }
 
 #[test]

@@ -19,6 +19,7 @@ mod plot;
 mod scene_table;
 mod side_by_side;
 mod significant;
+mod stages;
 mod table;
 mod text;
 mod units;

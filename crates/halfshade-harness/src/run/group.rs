@@ -124,5 +124,6 @@ fn blank(scene: &Scene, frame: usize, kind: ReceiverKind, receiver_count: usize,
         time: None,
         memory: None,
         details: Vec::new(),
+        stages: Vec::new(),
     }
 }

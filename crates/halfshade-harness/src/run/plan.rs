@@ -44,6 +44,8 @@ pub struct Plan {
     pub classes: bool,
     /// Whether strategies are asked for figures that only they have.
     pub details: bool,
+    /// Whether errors are taken apart by stages.
+    pub stages: bool,
     /// Places in `variants` of pairs that are compared with each other.
     pub pairs: Vec<[usize; 2]>,
     /// Place in `variants` of the one that all others are compared with in verdicts.
@@ -101,9 +103,12 @@ impl Plan {
             files.extend(endings.iter().map(|ending| PathBuf::from(format!("{base}{ending}"))));
         };
         for PlannedScene { scene, frames, receivers, .. } in &self.scenes {
-            if self.timing.is_some() {
-                for (frame, kind) in frames.iter().flat_map(|frame| receivers.iter().map(move |kind| (*frame, kind))) {
+            for (frame, kind) in frames.iter().flat_map(|frame| receivers.iter().map(move |kind| (*frame, kind))) {
+                if self.timing.is_some() {
                     add(file_names::plot(&scene.name, frame, &kind.to_string()), &[".svg", ".png"]);
+                }
+                if self.stages {
+                    add(file_names::plot_of_stages(&scene.name, frame, &kind.to_string()), &[".svg", ".png"]);
                 }
             }
             if frames.len() >= LEAST_FRAMES {
@@ -151,7 +156,7 @@ impl Plan {
         if !part.has_errors() {
             self.accuracy = Accuracy { samples: 1, relative_noise: None, ..self.accuracy };
             self.references = vec![ReferenceKind::Mesh];
-            (self.classes, self.details) = (false, false);
+            (self.classes, self.details, self.stages) = (false, false, false);
             (self.pairs, self.pictured, self.difference) = (Vec::new(), Vec::new(), None);
         }
         Ok(Self { part, ..self })
@@ -200,6 +205,7 @@ impl Plan {
             weights: experiment.weights,
             classes: experiment.classes,
             details: experiment.details,
+            stages: experiment.stages,
             pairs,
             baseline,
             variants,

@@ -3,7 +3,7 @@
 use super::kernel::mask::MAX_DEPTH;
 use crate::shared::adjustment::Rule;
 use halfshade_sh::lobe::{CapFit, ProductRule};
-use halfshade_strategy::{Preset, choice, settings};
+use halfshade_strategy::{Preset, Stage, choice, settings};
 
 choice! {
     /// Which two of reflectance, light and visibility are multiplied first.
@@ -74,6 +74,15 @@ choice! {
         Sampled = "sampled",
     }
 }
+
+/// Where it errs, from what is found last to what is found first.
+pub(crate) const STAGES: &[Stage] = &[
+    Stage { name: "sharing", exact: "share=0" },
+    Stage { name: "threshold", exact: "threshold=0" },
+    Stage { name: "depth of the mask", exact: "depth=6,env-depth=6" },
+    Stage { name: "lobes of the light", exact: "env-lobes=64" },
+    Stage { name: "products of lobes", exact: "integration=sampled,samples=4096" },
+];
 
 settings! {
     /// All parameters.

@@ -1,7 +1,7 @@
 //! Everything that can be set.
 
 use crate::shared::adjustment::Rule;
-use halfshade_strategy::{Preset, choice, settings};
+use halfshade_strategy::{Preset, Stage, choice, settings};
 
 choice! {
     /// Use of an object's own mesh for the receivers on it.
@@ -12,6 +12,13 @@ choice! {
         Spheres = "spheres",
     }
 }
+
+/// Where it errs, from what is found last to what is found first.
+pub(crate) const STAGES: &[Stage] = &[
+    Stage { name: "own cells", exact: "own-cells=64" },
+    Stage { name: "normals", exact: "normals=8" },
+    Stage { name: "directions", exact: "directions=1024" },
+];
 
 settings! {
     /// Everything that can be set.

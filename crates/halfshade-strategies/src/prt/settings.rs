@@ -1,7 +1,7 @@
 //! Everything that can be set.
 
 use halfshade_sh::window::Window;
-use halfshade_strategy::{Params, choice, settings};
+use halfshade_strategy::{Params, Stage, choice, settings};
 
 choice! {
     /// The light that transfer vectors know of.
@@ -76,6 +76,15 @@ choice! {
         GuessedZh3 = "guessed-zh3",
     }
 }
+
+/// Where it errs, from what is found last to what is found first.
+pub(crate) const STAGES: &[Stage] = &[
+    Stage { name: "compression", exact: "compression=none" },
+    Stage { name: "window", exact: "window=none" },
+    Stage { name: "basis of the light", exact: "light=sh" },
+    Stage { name: "rays", exact: "directions=16384" },
+    Stage { name: "bands", exact: "bands=8" },
+];
 
 settings! {
     /// Everything that can be set.

@@ -1,6 +1,6 @@
 //! Everything that can be set.
 
-use halfshade_strategy::{choice, settings};
+use halfshade_strategy::{Stage, choice, settings};
 
 choice! {
     /// How directions are drawn.
@@ -35,6 +35,10 @@ choice! {
         EdgeAvoiding = "edge-avoiding",
     }
 }
+
+/// Where it errs, from what is found last to what is found first.
+pub(crate) const STAGES: &[Stage] =
+    &[Stage { name: "filter", exact: "filter=none" }, Stage { name: "noise", exact: "samples=1024" }];
 
 settings! {
     /// Everything that can be set.

@@ -6,7 +6,7 @@ use halfshade_sh::{
     exponential::{Exponential, Method},
     form_factor, logarithm, window,
 };
-use halfshade_strategy::{Preset, choice, settings};
+use halfshade_strategy::{Preset, Stage, choice, settings};
 
 choice! {
     /// How blockers combine.
@@ -201,6 +201,15 @@ choice! {
         Seen = "seen",
     }
 }
+
+/// Where it errs, from what is found last to what is found first.
+pub(crate) const STAGES: &[Stage] = &[
+    Stage { name: "hierarchy", exact: "levels=leaves" },
+    Stage { name: "own occlusion", exact: "own=baked" },
+    Stage { name: "small lights", exact: "sun=apart" },
+    Stage { name: "exponential and overlap", exact: "exp=traced" },
+    Stage { name: "bands", exact: "bands=8" },
+];
 
 settings! {
     /// All parameters: of shadows, of the sphere hierarchy, of reflections.

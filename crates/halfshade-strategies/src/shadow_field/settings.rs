@@ -1,7 +1,7 @@
 //! Everything that can be set.
 
 use super::bake::{basis::Storage, field::Thinning, meshes::Source, projected::ShellLayout};
-use halfshade_strategy::{Preset, choice, settings};
+use halfshade_strategy::{Preset, Stage, choice, settings};
 use serde::{Deserialize, Serialize};
 
 choice! {
@@ -70,6 +70,14 @@ choice! {
         Wavelets = "wavelets",
     }
 }
+
+/// Where it errs, from what is found last to what is found first.
+pub(crate) const STAGES: &[Stage] = &[
+    Stage { name: "storage", exact: "storage=f32" },
+    Stage { name: "interpolation", exact: "sampling=traced" },
+    Stage { name: "products", exact: "sampling=together" },
+    Stage { name: "bands", exact: "bands=8" },
+];
 
 settings! {
     /// All parameters.
