@@ -9,8 +9,11 @@ use toml::Spanned;
 /// Most scenes that an entry becomes.
 const MAX_SCENES: usize = 1000;
 
+/// Keys of an entry that can be swept.
+const KEYS: [&str; 6] = ["environment", "still", "bounces", "resolution", "spheres", "fit"];
+
 impl SceneEntry {
-    /// The entry without a sweep, or one for each combination of its sweep's values, in the order of the file: the last key changes
+    /// The entry without a sweep, or one for each combination of its sweep's values, keys in alphabetical order, the last of which changes
     /// first. Keys are those of an entry, or paths into its scene file.
     ///
     /// # Errors
@@ -46,6 +49,12 @@ impl SceneEntry {
             entry.changes.push(Change { path: key.to_owned(), value: value.to_string() });
             return Ok(entry);
         }
+        if !KEYS.contains(&key) {
+            return Err(format!(
+                "can't be swept; {} and paths into a scene file such as light.1.radiance can",
+                KEYS.join(", ")
+            ));
+        }
         // Read as if it stood in a file of its own: the same bounds, the same words where it doesn't fit.
         let text = format!("name = \"\"\n{key} = {value}");
         let one: Self = toml::from_str(&text).map_err(|error| error.message().trim().to_owned())?;
@@ -56,12 +65,7 @@ impl SceneEntry {
             "bounces" => entry.bounces = placed(one.bounces),
             "resolution" => entry.resolution = one.resolution,
             "spheres" => entry.spheres = one.spheres,
-            "fit" => entry.fit = one.fit,
-            _ => {
-                return Err("can't be swept; environment, still, bounces, resolution, spheres, fit and paths into a scene file \
-                            such as light.1.radiance can"
-                    .into());
-            }
+            _ => entry.fit = one.fit,
         }
         if key == "bounces" {
             entry.told.push(format!("bounces {value}"));
@@ -76,7 +80,7 @@ impl SceneEntry {
     }
 }
 
-/// Reads a table of lists in the order of the file.
+/// Reads a table of lists.
 pub(super) fn lists<'de, D: serde::Deserializer<'de>>(
     deserializer: D,
 ) -> Result<Vec<(String, Spanned<Vec<toml::Value>>)>, D::Error> {
@@ -121,7 +125,7 @@ mod tests {
             swept("{ spheres = [10, 20], bounces = [0, 1], \"light.1.radiance\" = [[1, 1, 1], [5, 5, 5]] }").unwrap();
         assert_eq!(all.len(), 8);
         let facts = |entry: &SceneEntry| (entry.spheres.unwrap().get(), *entry.bounces.as_ref().unwrap().get_ref());
-        assert_eq!((facts(&all[0]), facts(&all[2]), facts(&all[4])), ((10, 0), (10, 1), (20, 0)));
+        assert_eq!((facts(&all[0]), facts(&all[1]), facts(&all[4])), ((10, 0), (20, 0), (10, 1)));
         assert_eq!(all[7].suffix(), ", bounces 1, light.1.radiance [5, 5, 5]");
         assert_eq!(swept("{}").unwrap().len(), 1);
     }
@@ -132,7 +136,7 @@ mod tests {
             ("{ spheres = [] }", "empty list"),
             ("{ spheres = [10, 10] }", "lists 10 twice"),
             ("{ spheres = [0] }", "expected a whole number of spheres"),
-            ("{ sphere = [1] }", "unknown field `sphere`"),
+            ("{ sphere = [1] }", "can't be swept; environment, still"),
             ("{ frames = [1] }", "can't be swept"),
             ("{ spheres = 10 }", "e.toml:7"),
         ] {

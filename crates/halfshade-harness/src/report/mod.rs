@@ -33,7 +33,7 @@ pub use html::{Read, files_in};
 pub use page::{Block, Page, Picture};
 pub use pareto::front as pareto_front;
 pub use plot::{LEAST_FRAMES, Plot};
-pub use side_by_side::side_by_side;
+pub use side_by_side::{Named, side_by_side};
 pub use significant::significant;
 pub use table::{Better, Cell, Column, Table};
 pub use units::{bytes, percent, seconds};

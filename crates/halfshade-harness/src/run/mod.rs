@@ -12,6 +12,7 @@ mod resume;
 mod scenes;
 mod score;
 mod setup;
+mod shade;
 mod stages;
 mod time;
 mod tools;
