@@ -58,6 +58,7 @@ mod scene_sweep;
 
 pub use compose::Comparison;
 pub use kinds::{ReceiverKind, ReferenceKind};
+pub use scene_sweep::Sweep;
 
 use crate::{Device, HarnessError, Weighting};
 use halfshade_scene::{SphereFit, file::Change, text};
@@ -160,7 +161,7 @@ pub struct SceneEntry {
     pub fit: Option<SphereFit>,
     /// Values of other keys, or of paths into the scene file, each of which is run: key and list.
     #[serde(default, deserialize_with = "scene_sweep::lists")]
-    pub sweep: Vec<(String, Spanned<Vec<toml::Value>>)>,
+    pub sweep: Sweep,
     /// Published figures to stand beside ours.
     #[serde(default)]
     pub published: Vec<Published>,

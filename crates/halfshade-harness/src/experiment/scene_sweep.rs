@@ -12,6 +12,9 @@ const MAX_SCENES: usize = 1000;
 /// Keys of an entry that can be swept.
 const KEYS: [&str; 6] = ["environment", "still", "bounces", "resolution", "spheres", "fit"];
 
+/// Keys with the values that each takes.
+pub type Sweep = Vec<(String, Spanned<Vec<toml::Value>>)>;
+
 impl SceneEntry {
     /// The entry without a sweep, or one for each combination of its sweep's values, keys in alphabetical order, the last of which changes
     /// first. Keys are those of an entry, or paths into its scene file.
@@ -81,13 +84,11 @@ impl SceneEntry {
 }
 
 /// Reads a table of lists.
-pub(super) fn lists<'de, D: serde::Deserializer<'de>>(
-    deserializer: D,
-) -> Result<Vec<(String, Spanned<Vec<toml::Value>>)>, D::Error> {
+pub(super) fn lists<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Sweep, D::Error> {
     struct Lists;
 
     impl<'de> serde::de::Visitor<'de> for Lists {
-        type Value = Vec<(String, Spanned<Vec<toml::Value>>)>;
+        type Value = Sweep;
 
         fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
             f.write_str(
