@@ -184,6 +184,7 @@ fn main() -> ExitCode {
         "shadow-field::memory_grows_as_on_the_cpu".to_owned(),
         Box::new(|all| shadow_field::fills_as_much_memory([on(&all, "shadow-field"), cpu("shadow-field").as_ref()])),
     );
+    add("prt::local_lights_without_kernel_are_refused".to_owned(), Box::new(|all| prt::refuses(on(&all, "prt"))));
     add("clocks".to_owned(), Box::new(|all| clocks::compare(&all)));
     add("few_receivers".to_owned(), Box::new(|all| few_receivers::compare(&all)));
     for &(name, test) in twins::TESTS {

@@ -96,6 +96,8 @@ settings! {
         "moving" => moving: Moving = Moving::Refuse;
         /// steps of the volume along its longest side
         "volume-steps" => volume_steps: usize = 12, in 1..=64;
+        /// steps along the scene's longest side between points at which local lights are known; 0: at every receiver
+        "lamp-steps" => lamp_steps: usize = 0, in 0..=64;
         /// factors of bands against ringing
         "window" => window: WindowKind = WindowKind::None;
         /// what the window is on
