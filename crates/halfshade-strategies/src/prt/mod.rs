@@ -77,7 +77,7 @@ use halfshade_scene::{Cache, EyeLobes, Frame, Pose, Progress, Scene};
 use halfshade_strategy::{Baked, Detail, Effect, Effects, Footprint, Info, Params, Prepared, Strategy, StrategyError};
 use kernel::decode::Product;
 use prepare::{lamps::FrameLamps, light::FrameLight, products, shaped::LightShape, turns};
-use settings::Settings;
+use settings::{STAGES, Settings};
 use shade::{
     Shader,
     clusters::ClusterShader,
@@ -173,6 +173,7 @@ impl Strategy for Prt {
             source: "[Sloan2002][Dachsbacher2017][Sloan2017][Roughton2024][Jensen2001]",
             parameters: Settings::parameters(),
             presets: &[],
+            stages: STAGES,
             effects: Effects::of(&[
                 Effect::EnvironmentLight,
                 Effect::LocalLights,
