@@ -212,8 +212,8 @@ fn subjects() -> Vec<(&'static str, &'static str, Bounds)> {
     subjects.extend(MASKS.map(|settings| ("mask", settings, directions)));
     let closed_forms = Bounds { brightening: 1e-5, ..table };
     subjects.extend(["", "own=spheres"].map(|settings| ("analytic", settings, closed_forms)));
-    // Light of four bands.
-    let limited = Bounds { constant: 1e-5, quadrature: 0.2, gloss: 0.3, rotation: 1e-4, brightening: 1e-6 };
+    // Light of four bands, as on the CPU.
+    let limited = Bounds { constant: 1e-5, quadrature: 0.5, gloss: 3.0, rotation: 1e-4, brightening: 1e-6 };
     subjects.push(("prt", "directions=16", limited));
     subjects
 }
