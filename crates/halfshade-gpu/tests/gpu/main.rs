@@ -183,6 +183,7 @@ fn main() -> ExitCode {
         "shadow-field::memory_grows_as_on_the_cpu".to_owned(),
         Box::new(|all| shadow_field::fills_as_much_memory([on(&all, "shadow-field"), cpu("shadow-field").as_ref()])),
     );
+    add("prt::local_lights_without_kernel_are_refused".to_owned(), Box::new(|all| prt::refuses(on(&all, "prt"))));
     add("clocks".to_owned(), Box::new(|all| clocks::compare(&all)));
     add("few_receivers".to_owned(), Box::new(|all| few_receivers::compare(&all)));
     for &(name, test) in twins::TESTS {
@@ -210,8 +211,8 @@ fn subjects() -> Vec<(&'static str, &'static str, Bounds)> {
     subjects.push(("mask", "", directions));
     let closed_forms = Bounds { brightening: 1e-5, ..table };
     subjects.extend(["", "own=spheres"].map(|settings| ("analytic", settings, closed_forms)));
-    // Light of four bands.
-    let limited = Bounds { constant: 1e-5, quadrature: 0.2, gloss: 0.3, rotation: 1e-4, brightening: 1e-6 };
+    // Light of four bands, as on the CPU.
+    let limited = Bounds { constant: 1e-5, quadrature: 0.5, gloss: 3.0, rotation: 1e-4, brightening: 1e-6 };
     subjects.push(("prt", "directions=16", limited));
     subjects
 }

@@ -24,6 +24,9 @@
 //! #                                 # gloss beside the albedo, see Reflectance; default: none. Textures vary it:
 //! #                                 # specular_texture = "s.png" multiplies the scale, exponent_texture = "e.png" (its red
 //! #                                 # channel, sRGB as all) the exponent
+//! # subsurface = { absorption = [2.1, 4.1, 7.1], reduced_scattering = [2190, 2620, 3000], refractive_index = 1.5 }
+//! #                                 # light that passes below the surface, see Subsurface: per metre, from 0 to 1e6, and the
+//! #                                 # index from 1 to 2.5, default 1.4. The albedo tints it. Default: none
 //! spheres = 64                      # leaf spheres, at most 2000; 0: receives only. Default 64, of a plane 0
 //! fit = "shadow"                    # default; or "bounding": spheres that leave no part bare, see spheres::SphereFit
 //! clusters = 0                      # receiver clusters; 0: left to the strategy
@@ -65,6 +68,7 @@ mod environment;
 mod framing;
 mod reflectance;
 mod source;
+mod subsurface;
 mod values;
 
 pub use build::DEFAULT_SPHERE_COUNT;
