@@ -46,6 +46,7 @@ pub(crate) fn example() -> Results {
         memory: Some(Memory { bytes: 2048, parts: BTreeMap::from([("tables".into(), 2048)]) }),
         stability: None,
         details: vec![Detail { name: "resolution by shell".into(), values: vec![8.0, 64.0, 0.015625] }],
+        stages: Vec::new(),
     };
     let mut blind = run("blind", "blind", 0.0, 1.0);
     blind.status = Status::Unsupported;
@@ -57,6 +58,7 @@ pub(crate) fn example() -> Results {
         claim: "fast is not exact".into(),
         experiment_hash: "00".into(),
         inputs: Some(vec![InputFile { path: "../scene.toml".into(), blake3: "01".into() }]),
+        part: None,
         quick: false,
         revision: "0.1.0".into(),
         machine: Machine { cpu: "an abacus".into(), threads: 2, gpu: None, os: "none".into() },

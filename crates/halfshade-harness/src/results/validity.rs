@@ -1,6 +1,6 @@
 //! Numbers that no measurement gives: those that are not finite or contradict each other.
 
-use super::{ErrorFigures, PictureFiles, Results, Run, Status};
+use super::{ErrorFigures, PictureFiles, Results, Run, StageError, Status};
 use crate::{
     image_metrics::Similarity, intervals::Intervals, left_out::LeftOut, metrics::Metrics, stability::StabilityFigures,
 };
@@ -42,7 +42,12 @@ impl Run {
         let details = self.details.iter().flat_map(|detail| &detail.values).map(|value| ("details", *value));
         let stability = self.stability.and_then(|stability| stability.figures);
         let stability = stability.into_iter().flat_map(StabilityFigures::all);
-        let mut figures = error.chain(truth).chain(time).chain(details).chain(stability);
+        let of_stage = |stage: &StageError| {
+            let classes = stage.classes.values().copied().collect::<Vec<_>>();
+            [stage.rms, stage.share].into_iter().chain(classes).map(|value| ("stages", value)).collect::<Vec<_>>()
+        };
+        let stages = self.stages.iter().flat_map(of_stage);
+        let mut figures = error.chain(truth).chain(time).chain(details).chain(stability).chain(stages);
         figures.find(|(_, value)| !value.is_finite()).map(|(name, _)| name)
     }
 
