@@ -113,6 +113,7 @@ fn unmeasured(
         machine: machine::describe(threads, tools.graphics.filter(|_| plan.uses_graphics())),
         strategies: tools.strategies.iter().map(|strategy| strategy.info().name.to_owned()).collect(),
         baseline: plan.baseline.map(|place| plan.variants[place].label.clone()),
+        stability: plan.stability,
         scenes: Vec::new(),
         runs: Vec::new(),
         differences: Vec::new(),

@@ -13,6 +13,7 @@ use crate::{
     image_metrics::Similarity,
     metrics::compare,
     results::{Detail, ErrorFigures, Memory, REFERENCE, Run, Status, TimeFigures},
+    stability::{Stability, StabilityFigures},
 };
 use halfshade_scene::{RadianceBuffer, Scene};
 use std::collections::BTreeMap;
@@ -31,8 +32,10 @@ pub(super) fn score(setup: &Setup<'_>, group: &Group<'_>, place: usize) -> Score
         Ok((bake_secs, shaded)) => {
             Scored { runs: compared(setup, group, place, bake_secs, &shaded), shaded: Some(shaded) }
         }
-        Err(Refusal { status, reason }) => {
-            Scored { runs: vec![Run { status, reason: Some(reason), ..blank.clone() }], shaded: None }
+        Err(Refusal { status, reason, not_finite }) => {
+            let is_told = setup.plan.stability.is_some() && not_finite > 0;
+            let stability = is_told.then_some(Stability { not_finite, figures: None });
+            Scored { runs: vec![Run { status, reason: Some(reason), stability, ..blank.clone() }], shaded: None }
         }
     }
 }
@@ -53,9 +56,15 @@ fn compared(setup: &Setup<'_>, group: &Group<'_>, place: usize, bake_secs: f64, 
         false => Vec::new(),
     };
     let run_against = |traced: &Traced| {
+        let error = figures(traced.kind, group.frame.scene, radiance, &traced.reference)?;
+        let stability = plan.stability.filter(|_| traced.kind == ReferenceKind::Mesh).map(|_| Stability {
+            not_finite: 0,
+            figures: StabilityFigures::of(radiance, &traced.reference, &error.metrics, &group.neighbours),
+        });
         Some(Run {
             status: Status::Ok,
-            error: Some(figures(traced.kind, group.frame.scene, radiance, &traced.reference)?),
+            error: Some(error),
+            stability,
             truth: Some(traced.figures(&traced.reference)),
             time: Some(TimeFigures::of(bake_secs, setup.threads, Vec::new())),
             memory: Some(memory.clone()),

@@ -20,15 +20,17 @@ pub(super) struct Shaded {
 pub(super) struct Refusal {
     pub(super) status: Status,
     pub(super) reason: String,
+    /// How many values are not finite.
+    pub(super) not_finite: usize,
 }
 
 impl Refusal {
     fn failed(reason: String) -> Self {
-        Self { status: Status::Failed, reason }
+        Self { status: Status::Failed, reason, not_finite: 0 }
     }
 
     fn unsupported(reason: String) -> Self {
-        Self { status: Status::Unsupported, reason }
+        Self { status: Status::Unsupported, reason, not_finite: 0 }
     }
 }
 
@@ -56,7 +58,8 @@ pub(super) fn shade_with(setup: &Setup<'_>, group: &Group<'_>, variant: &Variant
     let radiance = shade_frame(baked.as_mut(), frame, group.receivers.view())?;
     let broken = count_not_finite(&radiance);
     if broken > 0 {
-        return Err(Refusal::failed(format!("{broken} of {} values are not finite", 3 * radiance.len())));
+        let reason = format!("{broken} of {} values are not finite", 3 * radiance.len());
+        return Err(Refusal { not_finite: broken, ..Refusal::failed(reason) });
     }
     Ok((bake_secs, Shaded { baked, radiance }))
 }
