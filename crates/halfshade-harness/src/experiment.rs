@@ -59,8 +59,8 @@ mod only;
 mod scene_sweep;
 
 pub use compose::Comparison;
+pub use fields::Sweep;
 pub use kinds::{ReceiverKind, ReferenceKind};
-pub use scene_sweep::Sweep;
 
 use crate::{Device, HarnessError, Weighting, stability::StabilityFigures};
 use halfshade_scene::{SphereFit, file::Change, text};
@@ -164,7 +164,7 @@ pub struct SceneEntry {
     /// Aim of all sphere sets, if other than the scene's; then the scene's name says so.
     pub fit: Option<SphereFit>,
     /// Values of other keys, or of paths into the scene file, each of which is run: key and list.
-    #[serde(default, deserialize_with = "scene_sweep::lists")]
+    #[serde(default, deserialize_with = "fields::lists")]
     pub sweep: Sweep,
     /// Published figures to stand beside ours.
     #[serde(default)]

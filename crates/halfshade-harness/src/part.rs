@@ -70,7 +70,7 @@ impl Part {
     }
 }
 
-/// What is run, for people.
+/// Words for people.
 impl fmt::Display for Part {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

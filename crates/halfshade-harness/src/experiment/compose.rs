@@ -8,7 +8,7 @@ use toml::{Table, Value};
 /// Settings of a comparison that was asked for without a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
-    /// What it is made for: `compare`, `tune`. With the scenes, the name of its folder.
+    /// Its purpose: `compare`, `tune`. With the scenes, the name of its folder.
     pub purpose: &'static str,
     /// Built-in names, scene files and mesh files, relative to the current folder.
     pub scenes: Vec<String>,

@@ -5,6 +5,7 @@ use halfshade_scene::camera::check_resolution;
 use halfshade_truth::MAX_SAMPLES;
 use serde::{Deserialize, Deserializer, de::Error as _};
 use std::num::{NonZeroU32, NonZeroUsize};
+use toml::Spanned;
 
 /// Most rounds that are timed, or thrown away before.
 const MAX_ROUNDS: u32 = 10_000;
@@ -84,4 +85,32 @@ pub(super) fn picture_size<'de, D: Deserializer<'de>>(deserializer: D) -> Result
     let size: [u32; 2] = Deserialize::deserialize(deserializer)?;
     check_resolution(size).map_err(D::Error::custom)?;
     Ok(Some(size))
+}
+
+/// Keys with the values that each takes.
+pub type Sweep = Vec<(String, Spanned<Vec<toml::Value>>)>;
+
+/// Reads a table of lists.
+pub(super) fn lists<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Sweep, D::Error> {
+    struct Lists;
+
+    impl<'de> serde::de::Visitor<'de> for Lists {
+        type Value = Sweep;
+
+        fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+            f.write_str(
+                "lists of values, such as { spheres = [10, 20], \"light.1.radiance\" = [[1, 1, 1], [5, 5, 5]] }",
+            )
+        }
+
+        fn visit_map<A: serde::de::MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+            let mut lists = Vec::new();
+            while let Some(entry) = map.next_entry()? {
+                lists.push(entry);
+            }
+            Ok(lists)
+        }
+    }
+
+    deserializer.deserialize_map(Lists)
 }

@@ -12,9 +12,6 @@ const MAX_SCENES: usize = 1000;
 /// Keys of an entry that can be swept.
 const KEYS: [&str; 6] = ["environment", "still", "bounces", "resolution", "spheres", "fit"];
 
-/// Keys with the values that each takes.
-pub type Sweep = Vec<(String, Spanned<Vec<toml::Value>>)>;
-
 impl SceneEntry {
     /// The entry without a sweep, or one for each combination of its sweep's values, keys in alphabetical order, the last of which changes
     /// first. Keys are those of an entry, or paths into its scene file.
@@ -81,31 +78,6 @@ impl SceneEntry {
         let changes = self.changes.iter().map(|Change { path, value }| format!("{path} {value}"));
         self.told.iter().cloned().chain(changes).map(|told| format!(", {told}")).collect()
     }
-}
-
-/// Reads a table of lists.
-pub(super) fn lists<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Sweep, D::Error> {
-    struct Lists;
-
-    impl<'de> serde::de::Visitor<'de> for Lists {
-        type Value = Sweep;
-
-        fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-            f.write_str(
-                "lists of values, such as { spheres = [10, 20], \"light.1.radiance\" = [[1, 1, 1], [5, 5, 5]] }",
-            )
-        }
-
-        fn visit_map<A: serde::de::MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
-            let mut lists = Vec::new();
-            while let Some(entry) = map.next_entry()? {
-                lists.push(entry);
-            }
-            Ok(lists)
-        }
-    }
-
-    deserializer.deserialize_map(Lists)
 }
 
 #[cfg(test)]

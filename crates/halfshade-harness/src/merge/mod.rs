@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 /// Joins the parts in `folders`, whose pictures lie beside them.
 ///
 /// # Errors
-/// What isn't a part, is damaged, is of another experiment, is there twice, or is missing.
+/// A folder that isn't a part, is damaged, is of another experiment, is there twice, or is missing.
 pub fn merge(folders: &[PathBuf]) -> Result<Merged, HarnessError> {
     let parts = folders.iter().map(|folder| load(folder)).collect::<Result<Vec<_>, _>>()?;
     let Some(first) = parts.first() else { return Err(HarnessError::input("there is nothing to join")) };

@@ -105,7 +105,7 @@ impl Plot {
         plots
     }
 
-    /// What stages contribute to the errors of a group, if any error was taken apart.
+    /// Contributions of stages to the errors of a group, if any error was taken apart.
     pub fn stacked(results: &Results, group: &Group) -> Option<Self> {
         let bar = |run: &Run| {
             let error = run.error.as_ref()?.metrics.rel_rmse?;

@@ -1,4 +1,4 @@
-//! What is asked of a choice.
+//! Bounds that a choice must meet.
 
 /// Largest error, time and size; at least one of the first two.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -36,7 +36,7 @@ impl Bounds {
         self.strain(figures) <= 1.0
     }
 
-    /// What is made as small as it can be: the time where the error is bounded, else the error.
+    /// The figure that is made as small as it can be: the time where the error is bounded, else the error.
     pub fn cost(&self, figures: &Figures) -> f64 {
         if self.error.is_some() { figures.frame_secs } else { figures.error }
     }

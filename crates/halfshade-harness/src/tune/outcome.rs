@@ -20,7 +20,7 @@ pub struct Choice {
 pub struct Outcome {
     /// The choice.
     pub choice: Choice,
-    /// What was asked.
+    /// The bounds that were asked for.
     pub bounds: Bounds,
     /// Candidates that were tried.
     pub tried: usize,

@@ -23,7 +23,7 @@ pub(super) fn shortlist<'a>(trials: &'a [Trial], bounds: &Bounds) -> Vec<&'a Tri
     let mut chosen: Vec<&Trial> =
         trials.iter().filter(|trial| loosened.are_met(&trial.figures) && cost(trial) <= slack * best).collect();
     chosen.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
-    // Of those that only may be within the bounds the cheapest few: one of them mostly is.
+    // Those that only may be within the bounds are cut to the cheapest few: one of them mostly is.
     chosen.truncate(MOST - 2);
     let mut rest: Vec<&Trial> = front(trials);
     rest.sort_by(|a, b| bounds.strain(&a.figures).total_cmp(&bounds.strain(&b.figures)));

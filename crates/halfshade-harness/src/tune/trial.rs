@@ -20,11 +20,11 @@ const FAR: f64 = 2.0;
 pub(super) struct Trial {
     /// The candidate.
     pub(super) candidate: Candidate,
-    /// What was found.
+    /// Its figures.
     pub(super) figures: Figures,
 }
 
-/// What candidates are tried on.
+/// The frame, receivers and truth that candidates are tried on.
 pub(super) struct Ground<'a> {
     pub(super) frame: Frame<'a>,
     pub(super) receivers: ReceiverBuffer,

@@ -74,7 +74,7 @@ pub const SCENES: &[(&str, &str)] = &[
     ("courtyard", "a figure walks between walls and columns that stand still, in a studio's soft light"),
     (
         "translucent-figure",
-        "a figure of marble that light shines through, while the studio's light turns around it (4k vertices)",
+        "a figure of marble that light shines through, while the studio's light turns around it (6k vertices)",
     ),
     ("crowd", "64 tumbling blobs over a plane, 256 spheres: many blockers at once"),
 ];

@@ -28,7 +28,7 @@ pub(super) fn changed(text: &str, changes: &[Change]) -> Result<String, SceneErr
     Ok(document.to_string())
 }
 
-/// What `key` names in `item`; a new key of a table is none yet.
+/// The item that `key` names in `item`; a new key of a table is none yet.
 fn entry<'a>(item: &'a mut Item, key: &str) -> Result<&'a mut Item, String> {
     if key.is_empty() {
         return Err("a key is empty".into());
