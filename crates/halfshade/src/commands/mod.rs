@@ -3,6 +3,7 @@
 mod check;
 mod compare;
 mod context;
+mod export;
 mod list;
 mod picture;
 mod render;
@@ -29,6 +30,7 @@ pub(crate) fn dispatch(cli: Cli, arguments: Vec<OsString>) -> Result<ExitCode, F
         Command::Report(arguments) => report::report(&context, &arguments),
         Command::Render(arguments) => on_threads(&context, || render::render(&context, &arguments)),
         Command::Truth(arguments) => on_threads(&context, || truth::truth(&context, &arguments)),
+        Command::Export(arguments) => export::export(&context, &arguments),
         Command::Spheres(arguments) => on_threads(&context, || spheres::spheres(&context, &arguments)),
     }
 }
