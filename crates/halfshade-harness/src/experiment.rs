@@ -10,6 +10,9 @@
 //! weights = "area"                   # vertices count by the area around them; or "equal": all alike. Default area
 //! classes = true                     # error by class of what hides the light at a receiver; default true
 //! details = true                     # also what only one strategy tells, such as the resolution it chose; default false
+//! stability = { worst_error = 0.5, negative_share = 0.01, energy_gained = 0.01, jump = 0.1 }   # bounds on how strategies behave, for
+//! #                                  # a table that says where they hold; see `stability`. Default none
+//! stages = false                     # also the error taken apart: each stage of a method made exact in turn; default false
 //! baseline = "A"                     # a SPEC that verdicts compare all others with; default what errs least
 //! compare = [["A", "B"]]             # pairs of SPECs that are compared with each other too; default none
 //!
@@ -34,6 +37,9 @@
 //! spheres = 64                       # leaf spheres in all, shared out among the objects as the scene's own are
 //! fit = "shadow"                     # or "bounding": what all sphere sets are fitted to, if other than the scene's own
 //! camera = { eye = [0, 1, 4], target = [0, 0.5, 0], vertical_fov_degrees = 20 }   # another view, such as a close-up
+//! sweep = { spheres = [10, 20], bounces = [0, 1] }   # every combination, each a scene of its own. Keys are those above, but for
+//!                                    # frames, receivers, camera; or, where it is a scene file, paths into that:
+//!                                    # "light.1.radiance", "object.bunny.albedo", "environment.sky.turbidity"
 //! [[scene.published]]
 //! method = "Ren et al. pixel shader"
 //! hardware = "GeForce 8800 GTX"
@@ -50,12 +56,14 @@ mod compose;
 mod fields;
 mod kinds;
 mod only;
+mod scene_sweep;
 
 pub use compose::Comparison;
 pub use kinds::{ReceiverKind, ReferenceKind};
+pub use scene_sweep::Sweep;
 
-use crate::{Device, HarnessError, Weighting};
-use halfshade_scene::{SphereFit, text};
+use crate::{Device, HarnessError, Weighting, stability::StabilityFigures};
+use halfshade_scene::{SphereFit, file::Change, text};
 use serde::{Deserialize, Serialize};
 use std::{
     collections::BTreeMap,
@@ -94,6 +102,11 @@ pub struct Experiment {
     /// Whether strategies are asked for figures that only they have.
     #[serde(default)]
     pub details: bool,
+    /// Bounds on how strategies behave at extremes, if they are to be told.
+    pub stability: Option<Spanned<StabilityFigures>>,
+    /// Whether errors are taken apart by the stages of each method.
+    #[serde(default)]
+    pub stages: bool,
     /// SPEC of the strategy that verdicts compare all others with.
     pub baseline: Option<Spanned<String>>,
     /// Pairs of SPECs that are compared with each other.
@@ -150,9 +163,18 @@ pub struct SceneEntry {
     pub spheres: Option<NonZeroUsize>,
     /// Aim of all sphere sets, if other than the scene's; then the scene's name says so.
     pub fit: Option<SphereFit>,
+    /// Values of other keys, or of paths into the scene file, each of which is run: key and list.
+    #[serde(default, deserialize_with = "scene_sweep::lists")]
+    pub sweep: Sweep,
     /// Published figures to stand beside ours.
     #[serde(default)]
     pub published: Vec<Published>,
+    /// Values of the scene file that are others.
+    #[serde(skip)]
+    pub changes: Vec<Change>,
+    /// Words by which the scene's name tells what else was swept.
+    #[serde(skip)]
+    pub told: Vec<String>,
 }
 
 /// Camera of pictures.
@@ -301,6 +323,13 @@ impl Experiment {
             (Some(_), None) | (None, Some(_)) => {}
             _ => return error("[truth] needs either `samples` or `relative_noise`"),
         }
+        if let Some(bounds) = &self.stability
+            && let Some((name, _)) =
+                bounds.get_ref().all().into_iter().find(|(_, bound)| !(0.0..=f64::MAX).contains(bound))
+        {
+            let problem = format!("stability: {name} must be finite and not negative");
+            return Err(self.error_at(bounds.span().start, problem));
+        }
         for scene in &self.scenes {
             if let Some(published) =
                 scene.published.iter().find(|p| !(p.frames_per_sec > 0.0 && p.frames_per_sec.is_finite()))
@@ -351,6 +380,12 @@ pub(crate) mod tests {
         let weights = error(&SMALL.replace("[truth]", "weights = \"mass\"\n[truth]"));
         assert!(weights.starts_with("e.toml:3: ") && weights.contains("`area` or `equal`"), "{weights}");
         assert!(error(&SMALL.replace("samples = 8", "")).contains("either `samples` or `relative_noise`"));
+        let bounds = SMALL.replace(
+            "[truth]",
+            "stability = { worst_error = 0.5, negative_share = nan, energy_gained = 0, jump = 0.1 }\n[truth]",
+        );
+        let bounds = error(&bounds);
+        assert!(bounds.starts_with("e.toml:3: ") && bounds.contains("negative_share must be finite"), "{bounds}");
         for samples in ["samples = 4000000000", "samples = 4e9", "relative_noise = 0", "relative_noise = nan"] {
             let absurd = error(&SMALL.replace("samples = 8", samples));
             assert!(absurd.starts_with("e.toml:4: "), "{samples}: {absurd}");

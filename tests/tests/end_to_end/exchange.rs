@@ -25,7 +25,7 @@ fn a_scene_is_exported_into_a_new_folder_and_can_be_rendered_from_there() {
     let text = refused(halfshade(here.path()).args(["export", "a.toml", "--format", "mitsuba", "--frame", "3"]));
     assert!(text.contains("there is no frame 3"), "{text}");
 
-    // What was written is a scene here, too, and gives the same truth.
+    // The written scene is one here, too, and gives the same truth.
     let truth = |scene: &str| stdout(halfshade(here.path()).args(["truth", scene, "--samples", "16", "-o", "t.exr"]));
     assert_eq!(truth("a.toml"), truth("a-mitsuba/scene.xml"));
     write(here.path(), "b.pbrt", "WorldBegin Shape \"sphere\" Shape \"disk\"");
@@ -55,7 +55,8 @@ const OBJECTS: &str = "[[object]]\nshape = \"plane\"\nscale = 4\ntranslate = [0,
                        [[object]]\nshape = \"torus\"\nscale = 0.6\ntranslate = [0.8, -0.2, 0]\nrotate = [1, 0, 0, 60]\nalbedo = [0.2, 0.5, 0.8]\n";
 const CAMERA: &str =
     "[camera]\neye = [1, 2, 4]\ntarget = [0, -0.2, 0]\nvertical_fov_degrees = 35\nresolution = [32, 24]\n";
-const SKY: &str = "[environment]\nsky = { sun_elevation_degrees = 40, resolution = 16 }\n";
+/// Without its sun, whose solid angle Mitsuba rounds by up to 0.3 %, in single precision.
+const SKY: &str = "[environment]\nsky = { sun_elevation_degrees = 40, resolution = 16, sun = false }\n";
 const LAMPS: &str = "[[light]]\nsphere = { center = [0.5, 1.8, 1], radius = 0.4 }\nradiance = [8, 6, 4]\n\
                      [[light]]\nsphere = { center = [-2, 1, 0.5], radius = 0.1 }\nradiance = [20, 40, 60]\n\
                      [environment]\nconstant = [0.1, 0.1, 0.2]\n";
@@ -82,7 +83,7 @@ fn mitsuba_confirms_the_truth() {
     let uniform = "[environment]\nconstant = [1, 0.8, 0.6]\n";
     for (name, scene) in [
         ("direct", format!("{OBJECTS}{uniform}{CAMERA}")),
-        ("sky-and-sun", format!("{OBJECTS}{SKY}{CAMERA}")),
+        ("sky", format!("{OBJECTS}{SKY}{CAMERA}")),
         ("lamps", format!("{OBJECTS}{LAMPS}{CAMERA}")),
         ("one-bounce", format!("bounces = 1\n{OBJECTS}{LAMPS}{CAMERA}")),
         ("three-bounces-of-sky", format!("bounces = 3\n{OBJECTS}{SKY}{CAMERA}")),

@@ -1,16 +1,17 @@
 //! A group of measurements: all strategies on one frame and kind of receivers.
 
-use super::{references::References, setup::Setup};
+use super::{plan::PlannedGroup, references::References, setup::Setup};
 use crate::{
     HarnessError, Picture, ReceiverKind, Variant,
     projection::Projection,
     results::{Run, Status},
     ssim::WINDOW,
+    stability::joined_vertices,
 };
 use glam::Vec3;
 use halfshade_scene::{Frame, RadianceBuffer, ReceiverBuffer, Scene};
 use halfshade_truth::Tracer;
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, ops::Range};
 
 /// One frame, its receivers, what they are compared with, and a row to fill in for each variant.
 pub(super) struct Group<'a> {
@@ -18,10 +19,14 @@ pub(super) struct Group<'a> {
     pub(super) kind: ReceiverKind,
     pub(super) receivers: ReceiverBuffer,
     pub(super) references: References,
+    /// Pairs of receivers that are neighbours, if bounds on jumps are stated.
+    pub(super) neighbours: Vec<[u32; 2]>,
     /// How pictures of the group are drawn, if any are.
     pub(super) view: Option<View>,
     /// One for each variant of the plan, in its order.
     pub(super) rows: Vec<Row>,
+    /// Places of those that are run in this part.
+    pub(super) own: Range<usize>,
 }
 
 /// Projection of receivers to pictures.
@@ -46,26 +51,24 @@ pub(super) struct Row {
 }
 
 impl<'a> Group<'a> {
-    /// Places the receivers and traces the references; `pictured` if pictures are drawn of this frame.
-    pub(super) fn new(
-        setup: &Setup<'_>,
-        scene: &'a Scene,
-        index: usize,
-        kind: ReceiverKind,
-        pictured: bool,
-    ) -> Result<Self, HarnessError> {
+    /// Places the receivers and traces the references.
+    pub(super) fn new(setup: &Setup<'_>, scene: &'a Scene, planned: PlannedGroup) -> Result<Self, HarnessError> {
+        let PlannedGroup { frame: index, kind, pictured, own, .. } = planned;
         let frame = scene.frame(index);
         let camera = scene.camera;
         let pictured = pictured && setup.is_kept && !setup.plan.pictured.is_empty();
         let tracer = Tracer::new(&frame);
-        let (receivers, projection) = match kind {
+        let has_bounds = setup.plan.stability.is_some();
+        let (receivers, projection, neighbours) = match kind {
             ReceiverKind::Vertices => {
                 let projection = pictured.then(|| Projection::of_vertices(&tracer, &frame, &camera));
-                (ReceiverBuffer::vertices(&frame), projection)
+                let neighbours = has_bounds.then(|| joined_vertices(scene));
+                (ReceiverBuffer::vertices(&frame), projection, neighbours)
             }
             ReceiverKind::Pixels => {
                 let (receivers, projection) = Projection::of_pixels(&tracer, &camera);
-                (receivers, pictured.then_some(projection))
+                let neighbours = has_bounds.then(|| projection.neighbours());
+                (receivers, pictured.then_some(projection), neighbours)
             }
         };
         drop(tracer);
@@ -92,7 +95,18 @@ impl<'a> Group<'a> {
             Row { key: blank.key(), blank }
         };
         let rows = setup.plan.variants.iter().map(row).collect();
-        Ok(Self { frame, kind, receivers, references, view, rows })
+        let neighbours = neighbours.unwrap_or_default();
+        Ok(Self { frame, kind, receivers, references, neighbours, view, rows, own })
+    }
+
+    /// Whether its first run is one of this part, and with it what comes before all runs.
+    pub(super) fn has_first(&self) -> bool {
+        self.own.start == 0
+    }
+
+    /// Whether its last run is one of this part, and with it what comes after all runs.
+    pub(super) fn has_last(&self) -> bool {
+        self.own.end == self.rows.len()
     }
 }
 
@@ -116,6 +130,8 @@ fn blank(scene: &Scene, frame: usize, kind: ReceiverKind, receiver_count: usize,
         truth: None,
         time: None,
         memory: None,
+        stability: None,
         details: Vec::new(),
+        stages: Vec::new(),
     }
 }

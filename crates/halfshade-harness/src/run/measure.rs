@@ -5,8 +5,9 @@ use super::{
     group::Group,
     picture::{difference_key, picture_difference, picture_truth, picture_variant},
     record::Record,
-    score::{Shaded, reference_rows, score},
+    score::{reference_rows, score},
     setup::Setup,
+    shade::Shaded,
     time::{Ready, time},
 };
 use crate::{
@@ -26,13 +27,17 @@ pub(super) fn measure(
     record: &mut Record,
     results: &mut Results,
 ) -> Result<(), HarnessError> {
-    if let Some(view) = &group.view {
-        picture_truth(group, view, record)?;
+    if group.has_first() {
+        if let Some(view) = &group.view {
+            picture_truth(group, view, record)?;
+        }
+        results.runs.extend(reference_rows(group));
     }
-    results.runs.extend(reference_rows(group));
     let (mut ready, compared) = score_all(setup, group, record)?;
     time(setup, group, &mut ready, record)?;
-    compare_pairs(setup, group, compared, record, results)?;
+    if group.has_last() {
+        compare_pairs(setup, group, compared, record, results)?;
+    }
     collect(group, record, results);
     Ok(())
 }
@@ -44,8 +49,8 @@ fn score_all(
     record: &mut Record,
 ) -> Result<(Vec<Ready>, Compared), HarnessError> {
     let (plan, mut ready, mut compared) = (setup.plan, Vec::new(), Compared::new());
-    for (place, row) in group.rows.iter().enumerate() {
-        let key = &row.key;
+    for place in group.own.clone() {
+        let key = &group.rows[place].key;
         let view = group
             .view
             .as_ref()
@@ -88,7 +93,7 @@ fn compare_pairs(
     let is_drawn = record.picture(&difference_key(group)).is_some();
     let drawn = group.view.as_ref().zip(plan.difference).filter(|_| !is_drawn);
     for place in plan.pairs.iter().copied().chain(drawn.map(|(_, pair)| pair)).flatten() {
-        // A resumed run shades once more what it has scored before.
+        // A resumed run shades once more what it has scored before, and a shard what another one scores.
         let shade = || score(setup, group, place).shaded.map(|shaded| shaded.radiance);
         compared.entry(place).or_insert_with(shade);
     }
@@ -113,7 +118,7 @@ fn collect(group: &Group<'_>, record: &Record, results: &mut Results) {
     if group.view.is_some() {
         results.pictures.extend(record.truth_picture(&group.frame.scene.name, group.frame.index).cloned());
     }
-    for row in &group.rows {
+    for row in &group.rows[group.own.clone()] {
         let (samples, picture) = (record.samples(&row.key), record.picture(&row.key));
         let complete = |mut run: Run| {
             if let Some(time) = run.time.as_mut().filter(|_| !samples.is_empty()) {

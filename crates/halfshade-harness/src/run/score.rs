@@ -1,17 +1,21 @@
-//! How far a strategy is from the references: baked, prepared and shaded once.
+//! How far a strategy is from the references.
 
-use super::{group::Group, references::Traced, setup::Setup};
+use super::{
+    group::Group,
+    references::Traced,
+    setup::Setup,
+    shade::{Refusal, Shaded, shade_with},
+    stages::stage_errors,
+};
 use crate::{
     Reference, ReferenceKind,
     classes::by_class,
-    clock::time_secs,
     image_metrics::Similarity,
     metrics::compare,
-    results::{Detail, ErrorFigures, Memory, Run, Status, TimeFigures},
-    shading::{count_not_finite, shade_frame},
+    results::{Detail, ErrorFigures, Memory, REFERENCE, Run, Status, TimeFigures},
+    stability::{Stability, StabilityFigures},
 };
 use halfshade_scene::{RadianceBuffer, Scene};
-use halfshade_strategy::{Baked, Effects, StrategyError};
 use std::collections::BTreeMap;
 
 /// A variant after it was scored.
@@ -21,69 +25,19 @@ pub(super) struct Scored {
     pub(super) shaded: Option<Shaded>,
 }
 
-/// A baked strategy that has shaded, and its radiance.
-pub(super) struct Shaded {
-    pub(super) baked: Box<dyn Baked>,
-    pub(super) radiance: RadianceBuffer,
-}
-
-/// Why a variant has no scores.
-struct Refusal {
-    status: Status,
-    reason: String,
-}
-
-impl Refusal {
-    fn failed(reason: String) -> Self {
-        Self { status: Status::Failed, reason }
-    }
-
-    fn unsupported(reason: String) -> Self {
-        Self { status: Status::Unsupported, reason }
-    }
-}
-
-impl From<StrategyError> for Refusal {
-    fn from(error: StrategyError) -> Self {
-        match error {
-            StrategyError::Unsupported(reason) => Self::unsupported(reason),
-            StrategyError::Failed(reason) => Self::failed(reason),
-        }
-    }
-}
-
-const NO_KERNELS: &str = "no kernels for graphics devices yet: run it with device `cpu`";
-
 /// Bakes, prepares and shades the variant at `place` once, and compares with every reference.
 pub(super) fn score(setup: &Setup<'_>, group: &Group<'_>, place: usize) -> Scored {
     let blank = &group.rows[place].blank;
-    match shade_once(setup, group, place) {
+    match shade_with(setup, group, &setup.plan.variants[place]) {
         Ok((bake_secs, shaded)) => {
             Scored { runs: compared(setup, group, place, bake_secs, &shaded), shaded: Some(shaded) }
         }
-        Err(Refusal { status, reason }) => {
-            Scored { runs: vec![Run { status, reason: Some(reason), ..blank.clone() }], shaded: None }
+        Err(Refusal { status, reason, not_finite }) => {
+            let is_told = setup.plan.stability.is_some() && not_finite > 0;
+            let stability = is_told.then_some(Stability { not_finite, figures: None });
+            Scored { runs: vec![Run { status, reason: Some(reason), stability, ..blank.clone() }], shaded: None }
         }
     }
-}
-
-/// Seconds of baking, and what the variant at `place` has shaded.
-fn shade_once(setup: &Setup<'_>, group: &Group<'_>, place: usize) -> Result<(f64, Shaded), Refusal> {
-    let variant = &setup.plan.variants[place];
-    let (tools, frame) = (setup.tools, &group.frame);
-    let strategy = tools.strategy(variant).ok_or_else(|| Refusal::unsupported(NO_KERNELS.into()))?;
-    let missing = strategy.info().effects.missing(Effects::required_by(frame.scene));
-    if !missing.is_empty() {
-        return Err(Refusal::unsupported(format!("can't model {missing}")));
-    }
-    let (bake_secs, baked) = time_secs(tools.clock, || strategy.bake(frame.scene, &variant.params, tools.progress));
-    let mut baked = baked?;
-    let radiance = shade_frame(baked.as_mut(), frame, group.receivers.view())?;
-    let broken = count_not_finite(&radiance);
-    if broken > 0 {
-        return Err(Refusal::failed(format!("{broken} of {} values are not finite", 3 * radiance.len())));
-    }
-    Ok((bake_secs, Shaded { baked, radiance }))
 }
 
 /// A run for each reference that the variant at `place` is compared with.
@@ -97,14 +51,25 @@ fn compared(setup: &Setup<'_>, group: &Group<'_>, place: usize, bake_secs: f64, 
     let details = if plan.details { baked.details() } else { Vec::new() };
     let details = details.into_iter().map(|detail| Detail { name: detail.name, values: detail.values });
     let details: Vec<Detail> = details.collect();
+    let stages = |kind| match plan.stages && kind == ReferenceKind::Mesh {
+        true => stage_errors(setup, group, place, radiance),
+        false => Vec::new(),
+    };
     let run_against = |traced: &Traced| {
+        let error = figures(traced.kind, group.frame.scene, radiance, &traced.reference)?;
+        let stability = plan.stability.filter(|_| traced.kind == ReferenceKind::Mesh).map(|_| Stability {
+            not_finite: 0,
+            figures: StabilityFigures::of(radiance, &traced.reference, &error.metrics, &group.neighbours),
+        });
         Some(Run {
             status: Status::Ok,
-            error: Some(figures(traced.kind, group.frame.scene, radiance, &traced.reference)?),
+            error: Some(error),
+            stability,
             truth: Some(traced.figures(&traced.reference)),
             time: Some(TimeFigures::of(bake_secs, setup.threads, Vec::new())),
             memory: Some(memory.clone()),
             details: details.clone(),
+            stages: stages(traced.kind),
             ..group.rows[place].blank.clone()
         })
     };
@@ -118,7 +83,7 @@ pub(super) fn reference_rows(group: &Group<'_>) -> Vec<Run> {
     let row = |other: &Traced| {
         let both = mesh.with_noise_of_difference(&other.reference);
         Some(Run {
-            strategy: "reference".into(),
+            strategy: REFERENCE.into(),
             label: format!("reference: {}", other.kind),
             params: BTreeMap::from([("reference".to_owned(), other.kind.to_string().into())]),
             status: Status::Ok,

@@ -1,4 +1,4 @@
-//! What a file of another renderer holds, on its way to a scene.
+//! Content of another renderer's file, on its way to a scene.
 
 use super::view::View;
 use crate::file::{DEFAULT_SPHERE_COUNT, camera_that_sees, stem};
@@ -61,7 +61,7 @@ pub(super) struct Assembly {
     triangles: usize,
 }
 
-/// What people should know of a file.
+/// A remark for people about a file.
 #[derive(Debug)]
 struct Note {
     path: PathBuf,

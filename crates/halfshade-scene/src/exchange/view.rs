@@ -119,7 +119,7 @@ mod tests {
                 let world = view.upright();
                 let camera = view.camera(&world).unwrap();
                 assert!(world.transform_vector3(axis).distance(DVec3::Y) < 1e-9, "{axis} {hand}: {world}");
-                // What lies to the right does so in our picture.
+                // A point to the right lies to the right in our picture.
                 let aside = world.transform_point3(view.target + 0.1 * view.right).as_vec3();
                 let [column, _] = camera.pixel_at(aside - camera.eye).unwrap();
                 assert!(column > 400.5, "{axis} {hand}: {column}");

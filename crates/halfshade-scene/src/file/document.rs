@@ -35,6 +35,7 @@ pub(super) struct ObjectTable {
     pub(super) albedo: At<[f32; 3]>,
     pub(super) albedo_texture: At<String>,
     pub(super) reflectance: At<ReflectanceTable>,
+    pub(super) subsurface: At<SubsurfaceTable>,
     pub(super) spheres: At<i64>,
     pub(super) fit: Option<crate::SphereFit>,
     pub(super) clusters: At<i64>,
@@ -61,6 +62,14 @@ pub(super) struct LobeTable {
     pub(super) scale: [f32; 3],
     pub(super) axis: [f32; 3],
     pub(super) exponent: f32,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SubsurfaceTable {
+    pub(super) absorption: [f32; 3],
+    pub(super) reduced_scattering: [f32; 3],
+    pub(super) refractive_index: Option<f32>,
 }
 
 #[derive(Debug, Deserialize)]

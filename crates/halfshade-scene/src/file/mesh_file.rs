@@ -20,7 +20,7 @@ const MOST_FRAMES: f64 = 1e6;
 /// The scene of a mesh file by itself: the mesh at its own scale and place, a grey ground plane under its lowest point, and
 /// a camera that sees all of it. Meshes cast shadows by [`DEFAULT_SPHERE_COUNT`] spheres each.
 ///
-/// Of a glTF, what its first animation moves as a whole is an object that moves, its first perspective camera is the camera,
+/// In a glTF, each part that its first animation moves as a whole is an object that moves, its first perspective camera is the camera,
 /// and lights are its punctual ones: a point light is a sphere of a hundredth of the scene's size, whose intensity in candela
 /// is radiance · π radius²; a directional one is the sun, whose illuminance in lux is radiance · π sin² of its angular radius.
 /// A radiance of 1 is [`KILOCANDELAS_PER_UNIT`]. Without an `environment` the light is the default sky, or the file's own

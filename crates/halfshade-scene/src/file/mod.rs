@@ -24,6 +24,9 @@
 //! #                                 # gloss beside the albedo, see Reflectance; default: none. Textures vary it:
 //! #                                 # specular_texture = "s.png" multiplies the scale, exponent_texture = "e.png" (its red
 //! #                                 # channel, sRGB as all) the exponent
+//! # subsurface = { absorption = [2.1, 4.1, 7.1], reduced_scattering = [2190, 2620, 3000], refractive_index = 1.5 }
+//! #                                 # light that passes below the surface, see Subsurface: per metre, from 0 to 1e6, and the
+//! #                                 # index from 1 to 2.5, default 1.4. The albedo tints it. Default: none
 //! spheres = 64                      # leaf spheres, at most 2000; 0: receives only. Default 64, of a plane 0
 //! fit = "shadow"                    # default; or "bounding": spheres that leave no part bare, see spheres::SphereFit
 //! clusters = 0                      # receiver clusters; 0: left to the strategy
@@ -59,26 +62,41 @@
 //! ```
 
 mod build;
+mod changes;
 mod document;
 mod environment;
 mod framing;
 mod mesh_file;
 mod reflectance;
 mod source;
+mod subsurface;
 mod values;
 
 pub use build::DEFAULT_SPHERE_COUNT;
+pub use changes::Change;
 pub(crate) use framing::camera_that_sees;
 pub use mesh_file::from_mesh;
 pub(crate) use source::stem;
 
 use crate::{Scene, SceneError, text};
+use changes::changed;
 use source::Source;
 use std::path::Path;
 
 /// Reads a scene file and all that it names; sphere sets are not built yet.
 pub fn load(path: &Path) -> Result<Scene, SceneError> {
-    let text = text::read(path)?;
+    load_changed(path, &[])
+}
+
+/// The same of a file in which some values are others.
+///
+/// # Errors
+/// Those of the file, and a change whose path leads nowhere.
+pub fn load_changed(path: &Path, changes: &[Change]) -> Result<Scene, SceneError> {
+    let mut text = text::read(path)?;
+    if !changes.is_empty() {
+        text = changed(&text, changes).map_err(|error| error.in_file(path))?;
+    }
     let source = Source::new(path, &text);
     let document = source.parse()?;
     build::scene(&source, document)

@@ -1,4 +1,4 @@
-//! What a mesh file holds beside one mesh: parts that move, a camera, lights.
+//! Content of a mesh file beside one mesh: parts that move, a camera, lights.
 
 use super::Mesh;
 use crate::{Camera, Motion};

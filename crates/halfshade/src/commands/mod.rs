@@ -5,12 +5,14 @@ mod compare;
 mod context;
 mod export;
 mod list;
+mod merge;
 mod picture;
 mod render;
 mod report;
 mod run;
 mod spheres;
 mod truth;
+mod tune;
 
 use crate::{
     cli::{Cli, Command},
@@ -26,8 +28,10 @@ pub(crate) fn dispatch(cli: Cli, arguments: Vec<OsString>) -> Result<ExitCode, F
         Command::Run(arguments) => run::run(&context, &arguments),
         Command::Compare(arguments) => compare::compare(&context, &arguments),
         Command::Check(arguments) => check::check(&context, &arguments),
+        Command::Merge(arguments) => merge::merge(&context, &arguments),
         Command::List(arguments) => list::list(&context, &arguments),
         Command::Report(arguments) => report::report(&context, &arguments),
+        Command::Tune(arguments) => tune::tune(&context, &arguments),
         Command::Render(arguments) => on_threads(&context, || render::render(&context, &arguments)),
         Command::Truth(arguments) => on_threads(&context, || truth::truth(&context, &arguments)),
         Command::Export(arguments) => export::export(&context, &arguments),

@@ -92,7 +92,7 @@ fn lamp(xml: &mut Xml, center: Vec3, radius: f32, radiance: Vec3) {
     });
 }
 
-/// What lies beside the scene.
+/// Files beside the scene.
 #[derive(Default)]
 struct Writer {
     textures: Textures,
@@ -173,6 +173,9 @@ impl Writer {
         if mesh.has_cutouts() {
             self.notes.push(format!("object `{}`: holes that alpha masks cut are closed", object.name));
         }
+        if material.subsurface.is_some() {
+            self.notes.push(format!("object `{}`: light below its surface is left out: it is diffuse", object.name));
+        }
         let mut parts: BTreeMap<usize, Vec<[u32; 3]>> = BTreeMap::new();
         for triangle in &mesh.triangles {
             let by_mesh = mesh.texture_coordinates.get(triangle[0] as usize).filter(|_| material.texture.is_none());
@@ -203,7 +206,7 @@ impl Writer {
     }
 }
 
-/// What vertices of an object have, in world space.
+/// Values of the vertices of an object, in world space.
 fn columns(frame: &Frame<'_>, number: usize, vertices: &Receivers<'_>, texture: Option<&Arc<Texture>>) -> Vec<Column> {
     let object = &frame.scene.objects[number];
     let mesh = &object.mesh;

@@ -70,7 +70,7 @@ fn read<'a, 'input>(
             assembly.view = Some(view(elements, node)?);
             Ok(())
         }
-        // What others refer to.
+        // Others refer to these.
         ("default" | "bsdf" | "texture", _) => Ok(()),
         (tag, "") => {
             assembly.note(elements.path, line(node), &format!("element `{tag}` left out"));

@@ -203,7 +203,7 @@ fn vector<'a, 'input>(elements: &Elements<'a, 'input>, node: Node<'a, 'input>, n
     Ok(vector.map(|vector: DVec3| vector.as_vec3()))
 }
 
-/// What the plugin reflects beside the diffuse part.
+/// Reflection of the plugin beside the diffuse part.
 fn lobes<'a, 'input>(elements: &Elements<'a, 'input>, bsdf: Node<'a, 'input>) -> Result<Reflectance> {
     let exponent = |name: &str| Ok(elements.number(bsdf, name)?.unwrap_or(1.0) as f32);
     let specular = || Ok(vector(elements, bsdf, "specular")?.unwrap_or(Vec3::ZERO));

@@ -123,7 +123,7 @@ impl Surface<'_> {
             }
         }
         if self.has_gloss {
-            // What Mitsuba calls properties specular_r, specular_g, specular_b.
+            // Mitsuba's name for properties specular_r, specular_g, specular_b.
             attribute(xml, "specular_factor", "vertex_specular_color");
             attribute(xml, "exponent_factor", "vertex_exponent");
         }

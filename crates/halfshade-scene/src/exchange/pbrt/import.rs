@@ -33,7 +33,7 @@ pub fn load(path: &Path) -> Result<Scene> {
     reader.finish()
 }
 
-/// What directives change and `AttributeEnd` restores.
+/// Settings that directives change and `AttributeEnd` restores.
 #[derive(Debug, Clone)]
 struct State {
     world_from_here: DMat4,

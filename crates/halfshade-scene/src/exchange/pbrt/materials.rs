@@ -23,7 +23,7 @@ pub(super) fn default_surface() -> Surface {
     Some(Material::new(Vec3::splat(DEFAULT_ALBEDO)))
 }
 
-/// What a texture's name stands for.
+/// Meaning of a texture's name.
 #[derive(Debug, Clone)]
 pub(super) enum TextureValue {
     Constant(Vec3),

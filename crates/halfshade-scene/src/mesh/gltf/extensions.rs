@@ -24,7 +24,7 @@ fn is_of_appearance(name: &str) -> bool {
     name.starts_with("KHR_materials_") || name.starts_with("KHR_lights_") || name.starts_with("KHR_xmp")
 }
 
-/// What a document is read for.
+/// Purpose for which a document is read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Aim {
     /// Its meshes.
