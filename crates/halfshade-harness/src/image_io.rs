@@ -1,9 +1,6 @@
 //! Pictures on disk: OpenEXR with named layers, and PNG to look at.
 
 use crate::{HarnessError, output::write_atomically};
-use exr::prelude::{
-    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, Vec2, WritableImage,
-};
 use glam::Vec3;
 use std::{io::Cursor, path::Path};
 
@@ -65,19 +62,8 @@ pub fn srgb(linear: f32) -> f32 {
 /// root, `R`, `G`, `B`. 32-bit floating point, lossless.
 pub fn exr_bytes(layers: &[(&str, &Picture)]) -> Result<Vec<u8>, String> {
     let (_, first) = layers.first().ok_or("a picture needs a layer")?;
-    let size = Vec2(first.width, first.height);
-    let mut channels = smallvec::SmallVec::new();
-    for (name, picture) in layers {
-        for (c, letter) in ["R", "G", "B"].into_iter().enumerate() {
-            let name = if name.is_empty() { letter.to_owned() } else { format!("{name}.{letter}") };
-            let samples = picture.pixels.iter().map(|pixel| pixel[c]).collect();
-            channels.push(AnyChannel::new(name.as_str(), FlatSamples::F32(samples)));
-        }
-    }
-    let layer = Layer::new(size, LayerAttributes::default(), Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels));
-    let mut bytes = Cursor::new(Vec::new());
-    Image::from_layer(layer).write().to_buffered(&mut bytes).map_err(|error| error.to_string())?;
-    Ok(bytes.into_inner())
+    let layers: Vec<(&str, &[Vec3])> = layers.iter().map(|(name, picture)| (*name, &picture.pixels[..])).collect();
+    halfshade_scene::exr_bytes([first.width, first.height], &layers)
 }
 
 /// A PNG file.

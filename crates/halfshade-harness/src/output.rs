@@ -64,6 +64,52 @@ pub fn prepare_folder(folder: &Path) -> Result<(), HarnessError> {
     probe().map_err(|source| HarnessError::io(folder, "write into this folder", source))
 }
 
+/// Writes files, by path within it, into a new folder: all of them, or none and no folder. One that exists and isn't
+/// empty is refused.
+pub fn write_folder(folder: &Path, files: &[(String, Vec<u8>)]) -> Result<(), HarnessError> {
+    check_new_folder(folder)?;
+    let fail = |source| HarnessError::io(folder, "write this folder", source);
+    let target = fs::canonicalize(folder).unwrap_or_else(|_| folder.to_owned());
+    let mut builder = Builder::new();
+    builder.prefix(TEMPORARY);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // As far as the user's mask lets it.
+        builder.permissions(fs::Permissions::from_mode(0o777));
+    }
+    let temporary = builder.tempdir_in(folder_of(&target)).map_err(fail)?;
+    let write = |(name, bytes): &(String, Vec<u8>)| -> std::io::Result<()> {
+        let path = temporary.path().join(name);
+        fs::create_dir_all(folder_of(&path))?;
+        let mut file = fs::File::create_new(path)?;
+        file.write_all(bytes)?;
+        file.sync_all()
+    };
+    files.iter().try_for_each(write).map_err(fail)?;
+    if target.is_dir() {
+        // Only if it is still empty.
+        fs::remove_dir(&target).map_err(fail)?;
+    }
+    fs::rename(temporary.path(), &target).map_err(fail)?;
+    // Moved away: nothing is left to remove.
+    let _ = temporary.keep();
+    Ok(())
+}
+
+/// Refuses a folder that [`write_folder`] can't write later, before work is spent on its content.
+pub fn check_new_folder(folder: &Path) -> Result<(), HarnessError> {
+    match fs::read_dir(folder).map(|mut entries| entries.next().is_none()) {
+        Ok(true) => {}
+        Ok(false) => return Err(HarnessError::in_file(folder, "is there already and not empty; give a new folder")),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound && fs::symlink_metadata(folder).is_err() => {}
+        Err(source) => return Err(HarnessError::io(folder, "write this folder", source)),
+    }
+    let target = fs::canonicalize(folder).unwrap_or_else(|_| folder.to_owned());
+    let fail = |source| HarnessError::io(folder, "write this folder", source);
+    Builder::new().prefix(TEMPORARY).tempdir_in(folder_of(&target)).map(drop).map_err(fail)
+}
+
 /// Checks that `path` can be written later, before work is spent on its content. True if that replaces a file.
 pub fn check_writable(path: &Path) -> Result<bool, HarnessError> {
     let fail = |source| HarnessError::io(path, "write", source);
@@ -126,6 +172,25 @@ mod tests {
         assert_eq!(fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o600);
         assert!(check_writable(&nowhere).unwrap_err().to_string().contains("leads nowhere"));
         assert!(check_writable(&folder.path().join("n".repeat(300))).is_err());
+    }
+
+    #[test]
+    fn a_folder_is_written_whole_or_not_at_all() {
+        let folder = tempfile::tempdir().unwrap();
+        let files = |names: &[&str]| names.iter().map(|name| ((*name).to_owned(), b"x".to_vec())).collect::<Vec<_>>();
+        let (new, empty, used) = (folder.path().join("new"), folder.path().join("empty"), folder.path().join("used"));
+        fs::create_dir(&empty).unwrap();
+        for place in [&new, &empty] {
+            write_folder(place, &files(&["a", "b/c", "b/d"])).unwrap();
+            assert_eq!(fs::read(place.join("b/d")).unwrap(), b"x");
+            let error = write_folder(place, &files(&["e"])).unwrap_err().to_string();
+            assert!(error.contains("not empty") && !place.join("e").exists(), "{error}");
+        }
+        // A file can't lie in another.
+        assert!(write_folder(&used, &files(&["a", "a/b"])).is_err());
+        assert!(check_new_folder(&new.join("a")).is_err() && check_new_folder(&used.join("b/c")).is_err());
+        check_new_folder(&used).unwrap();
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
     }
 
     #[test]

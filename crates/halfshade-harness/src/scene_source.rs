@@ -1,9 +1,10 @@
-//! SCENE: a built-in name, a scene file, or a mesh file; and the light of a mesh file.
+//! SCENE: a built-in name, a scene file, ours or that of another renderer, or a mesh file; and the light of a mesh file.
 
 use crate::HarnessError;
 use glam::Vec3;
 use halfshade_scene::{
     Environment, Mesh, Scene, builtin,
+    exchange::{mitsuba, pbrt},
     file::{self, Change},
     light::{self, ProbeOptions, Projection, Sky, load_probe},
     mesh,
@@ -16,7 +17,7 @@ const MESHES: [&str; 4] = ["obj", "ply", "gltf", "glb"];
 /// The light of a mesh file.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct MeshLight<'a> {
-    /// `sky` (the default), `constant`, or an image, optionally followed by `:latlong` or `:angular`. Without that, a square
+    /// `sky` (the default, unless the file has lights of its own), `constant`, or an image, optionally followed by `:latlong` or `:angular`. Without that, a square
     /// image is an angular map.
     pub name: Option<&'a str>,
     /// Layer of an OpenEXR image.
@@ -54,8 +55,11 @@ pub fn resolve_changed(
     if let Some(scene) = builtin::scene(name) {
         return Ok(scene);
     }
-    if ending == "toml" {
-        return Ok(file::load_changed(&path, changes)?);
+    match ending.as_str() {
+        "toml" => return Ok(file::load_changed(&path, changes)?),
+        "xml" => return Ok(mitsuba::load(&path)?),
+        "pbrt" => return Ok(pbrt::load(&path)?),
+        _ => {}
     }
     if is_mesh {
         let (environment, mut notes) = environment(light, folder)?;
@@ -65,7 +69,7 @@ pub fn resolve_changed(
     }
     let known: Vec<&str> = builtin::SCENES.iter().map(|(name, _)| *name).collect();
     Err(HarnessError::input(format!(
-        "unknown scene `{name}`; built in: {}; or give a scene file (.toml) or a mesh file (.{})",
+        "unknown scene `{name}`; built in: {}; or give a scene file (.toml, Mitsuba's .xml, pbrt-v4's .pbrt) or a mesh file (.{})",
         known.join(", "),
         MESHES.join(", .")
     )))
@@ -76,12 +80,13 @@ pub fn load_mesh(path: &Path) -> Result<(Mesh, Vec<String>), HarnessError> {
     Ok(mesh::load_with_notes(path)?)
 }
 
-/// The environment that `light` stands for, and what the user should know of its image.
-fn environment(light: &MeshLight<'_>, folder: &Path) -> Result<(Environment, Vec<String>), HarnessError> {
+/// The environment that `light` stands for, none where it says nothing, and what the user should know of its image.
+fn environment(light: &MeshLight<'_>, folder: &Path) -> Result<(Option<Environment>, Vec<String>), HarnessError> {
     let text = light.name.unwrap_or("sky");
-    let constructed = match text {
-        "sky" => Some(Sky::default().environment()?),
-        "constant" => Some(Environment::constant(Vec3::ONE)),
+    let constructed = match (light.name, text) {
+        (None, _) => Some(None),
+        (_, "sky") => Some(Some(Sky::default().environment()?)),
+        (_, "constant") => Some(Some(Environment::constant(Vec3::ONE))),
         _ => None,
     };
     if let Some(constructed) = constructed {
@@ -106,7 +111,7 @@ fn environment(light: &MeshLight<'_>, folder: &Path) -> Result<(Environment, Vec
     let options = ProbeOptions { projection, forward_degrees: 0.0, layer, clamp: light.clamp };
     let (map, notes) = load_probe(&path, &options)?;
     let notes = notes.into_iter().map(|note| format!("{}: {note}", path.display()));
-    Ok((Environment::map(map), notes.collect()))
+    Ok((Some(Environment::map(map)), notes.collect()))
 }
 
 fn ending(path: &Path) -> String {

@@ -50,6 +50,11 @@ impl Camera {
         [right, right.cross(forward), forward]
     }
 
+    /// Unit vector in world space that points up in the picture.
+    pub fn up(&self) -> Vec3 {
+        self.axes()[1]
+    }
+
     /// Pixel coordinates of a point before the eye: those whose [`Self::ray_direction`] leads there.
     pub fn pixel_at(&self, point: Vec3) -> Option<[f64; 2]> {
         let offset = point.as_dvec3() - self.eye.as_dvec3();

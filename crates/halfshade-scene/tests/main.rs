@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod damaged_meshes;
+mod exchange;
 mod gltf;
 mod mesh_files;
 mod picture_files;

@@ -96,7 +96,7 @@ fn every_mesh_loads_with_the_counts_bounds_and_closedness_known_of_it() {
 #[test]
 fn the_duck_has_a_yellow_body_an_orange_beak_and_black_eyes() {
     let Some(assets) = assets() else { return };
-    let scene = file::from_mesh(&assets.join("meshes/duck.glb"), Environment::constant(Vec3::ONE)).unwrap();
+    let scene = file::from_mesh(&assets.join("meshes/duck.glb"), Some(Environment::constant(Vec3::ONE))).unwrap();
     let duck = &scene.objects[0];
     assert_eq!((duck.mesh.textures.len(), duck.mesh.texture_coordinates.len()), (1, duck.mesh.positions.len()));
     let colors: Vec<Vec3> =
@@ -194,7 +194,7 @@ fn the_angular_probe_shows_the_same_cathedral_the_right_way_round() {
 fn a_scene_is_made_around_every_mesh() {
     let Some(assets) = assets() else { return };
     for path in files(&assets.join("meshes"), mesh::EXTENSIONS) {
-        let scene = file::from_mesh(&path, Environment::constant(Vec3::ONE)).unwrap();
+        let scene = file::from_mesh(&path, Some(Environment::constant(Vec3::ONE))).unwrap();
         let (object, ground) = (&scene.objects[0], &scene.objects[1]);
         let (min, max) = object.mesh.bounds().unwrap();
         let [left, right] = [Vec3::new(-1.0, 0.0, -1.0), Vec3::new(1.0, 0.0, 1.0)]

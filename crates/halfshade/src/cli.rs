@@ -46,6 +46,8 @@ pub enum Command {
     Truth(TruthArguments),
     /// Build a sphere set for a mesh and print how well it fits.
     Spheres(SpheresArguments),
+    /// Write a frame of a scene for another renderer, with a script that compares its answer with the truth.
+    Export(ExportArguments),
     /// List strategies or scenes, with every parameter, default and range.
     List(ListArguments),
     /// Compare an experiment's errors with a baseline: exit status 1 where one grew beyond noise.
@@ -209,12 +211,6 @@ pub struct SceneArguments {
     /// Width and height, such as 640x480 [default: the scene's camera's].
     #[arg(long, value_name = "WxH", value_parser = resolution)]
     pub resolution: Option<[u32; 2]>,
-    /// Radiance where nothing is hit: one number, or red,green,blue [default: 0].
-    #[arg(long, value_name = "RADIANCE", value_parser = color)]
-    pub background: Option<[f32; 3]>,
-    /// Exposure of a PNG in stops: radiance times 2^STOPS, the same in every picture [default: automatic, and told].
-    #[arg(long, value_name = "STOPS", allow_negative_numbers = true, value_parser = stops)]
-    pub exposure: Option<f32>,
 }
 
 impl SceneArguments {
@@ -224,12 +220,26 @@ impl SceneArguments {
     }
 }
 
+/// Appearance of a picture.
+#[derive(Debug, Args)]
+pub struct PictureArguments {
+    /// Radiance where nothing is hit: one number, or red,green,blue [default: 0].
+    #[arg(long, value_name = "RADIANCE", value_parser = color)]
+    pub background: Option<[f32; 3]>,
+    /// Exposure of a PNG in stops: radiance times 2^STOPS, the same in every picture [default: automatic, and told].
+    #[arg(long, value_name = "STOPS", allow_negative_numbers = true, value_parser = stops)]
+    pub exposure: Option<f32>,
+}
+
 /// Arguments of `render`.
 #[derive(Debug, Args)]
 pub struct RenderArguments {
     /// The scene.
     #[command(flatten)]
     pub scene: SceneArguments,
+    /// The picture.
+    #[command(flatten)]
+    pub picture: PictureArguments,
     /// The strategy, as `name` or `name:key=value,key=value`.
     #[arg(long, value_name = "SPEC")]
     pub strategy: String,
@@ -306,6 +316,9 @@ pub struct TruthArguments {
     /// The scene.
     #[command(flatten)]
     pub scene: SceneArguments,
+    /// The picture.
+    #[command(flatten)]
+    pub picture: PictureArguments,
     /// Samples per pixel and kind of light.
     #[arg(long, default_value_t = 256, value_parser = sample_count)]
     pub samples: usize,
@@ -315,6 +328,27 @@ pub struct TruthArguments {
     /// The picture, .exr (result and layer `stderr`) or .png [default: SCENE-truth.exr].
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
+}
+
+/// Arguments of `export`.
+#[derive(Debug, Args)]
+pub struct ExportArguments {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// The renderer.
+    #[arg(long, value_enum)]
+    pub format: ExportChoice,
+    /// A new folder for the scene and all that belongs to it [default: SCENE-FORMAT].
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
+/// Renderers that scenes are written for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ExportChoice {
+    /// Mitsuba 3.
+    Mitsuba,
 }
 
 /// Arguments of `spheres`.

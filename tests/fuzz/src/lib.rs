@@ -10,7 +10,8 @@ pub mod seeds;
 pub use cache::{cache_entry, cache_payloads, with_checksum};
 pub use journal::{journal_header, with_checksums};
 
-use halfshade_scene::light::EnvironmentMap;
+use halfshade_scene::{Environment, Scene, file as scene_file};
+use halfshade_scene::light::{DistantLight, EnvironmentMap};
 use halfshade_scene::mesh::{self, Animation, Mesh};
 use std::{
     path::{Path, PathBuf},
@@ -63,10 +64,29 @@ pub fn check_mesh(mesh: &Mesh) {
     }
 }
 
+/// Checks that all of a scene is finite at its first and its last frame.
+pub fn check_scene(scene: &Scene) {
+    for index in [0, scene.frame_count - 1] {
+        let frame = scene.frame(index);
+        assert_eq!(frame.world_from_object.len(), scene.objects.len());
+        for (number, pose) in frame.world_from_object.iter().enumerate() {
+            let placed = frame.positions(number).iter().map(|position| pose.transform_point(*position));
+            assert!(placed.into_iter().all(|position| position.is_finite()));
+        }
+        assert!(frame.lights.iter().all(|light| light.center.is_finite() && light.radius > 0.0));
+    }
+    if let DistantLight::Map(map) = &scene.environment.base {
+        check_map(map);
+    }
+}
+
 /// glTF and GLB files, at rest and animated.
 pub fn check_gltf(path: &Path) {
     if let Ok((mesh, _)) = mesh::load_with_notes(path) {
         check_mesh(&mesh);
+    }
+    if let Ok(scene) = scene_file::from_mesh(path, Some(Environment::constant(glam::Vec3::ONE))) {
+        check_scene(&scene);
     }
     if let Ok((mesh, skin)) = mesh::load_animated(path, &Animation::Number(0)) {
         check_mesh(&mesh);

@@ -21,6 +21,8 @@ pub fn all() -> Vec<(&'static str, Vec<Vec<u8>>)> {
             vec![exr(2, Encoding::UNCOMPRESSED), exr(4, Encoding::SMALL_LOSSLESS), exr(8, Encoding::FAST_LOSSLESS)],
         ),
         ("scene", texts(&[SCENE, SCENE_OF_FILES, SCENE_OF_KEYS])),
+        ("mitsuba", texts(&[MITSUBA])),
+        ("pbrt", texts(&[PBRT])),
         ("experiment", texts(&[EXPERIMENT, EXPERIMENT_SMALL])),
         ("results", vec![RESULTS.replace('\n', "").into_bytes(), RESULTS.as_bytes().to_vec()]),
         ("journal", vec![journal()]),
@@ -239,6 +241,22 @@ const SCENE_OF_KEYS: &str = r#"[[object]]
 shape = "sphere"
 [environment]
 sky = { sun_elevation_degrees = 30, sun_azimuth_degrees = 1, turbidity = 4, ground_albedo = [0, 0.5, 1], sun = true, resolution = 4 }
+"#;
+const MITSUBA: &str = r##"<scene version="3.0.0"><default name="d" value="3"/><integrator type="path"><integer name="max_depth" value="$d"/></integrator>
+<sensor type="perspective"><float name="fov" value="45"/><transform name="to_world"><lookat origin="0, 1, 4" target="0, 0, 0" up="0, 0, 1"/></transform></sensor>
+<bsdf type="twosided" id="b"><bsdf type="phong"><rgb name="diffuse_reflectance" value="#204060"/></bsdf></bsdf>
+<shape type="rectangle"><transform name="to_world"><scale value="2"/><rotate x="1" angle="-90"/></transform><ref id="b"/></shape>
+<shape type="obj"><string name="filename" value="a.obj"/></shape>
+<shape type="sphere"><point name="center" y="3"/><emitter type="area"><rgb name="radiance" value="1 2 3"/></emitter></shape>
+<emitter type="envmap"><string name="filename" value="a.hdr"/></emitter></scene>"##;
+const PBRT: &str = r#"LookAt 0 4 1  0 0 0  0 0 1 Camera "perspective" "float fov" [45]
+WorldBegin # here
+LightSource "infinite" "rgb L" [1 2 3]
+MakeNamedMaterial "m" "string type" "diffuse" "rgb reflectance" [0.5 0.25 0.1]
+AttributeBegin NamedMaterial "m" Translate 1 2 3 Rotate 30 0 1 0
+Shape "trianglemesh" "point3 P" [-1 0 0 1 0 0 0 1 0] "integer indices" [0 1 2]
+AreaLightSource "diffuse" Shape "sphere" AttributeEnd
+ObjectBegin "o" Shape "sphere" ObjectEnd ObjectInstance "o"
 "#;
 const EXPERIMENT: &str = r#"name = "e"
 claim = "none"

@@ -43,10 +43,7 @@ pub(super) fn scene(source: &Source<'_>, document: Document) -> Result<Scene> {
     };
     let camera = match document.camera {
         Some(table) => camera(source, table.into_inner())?,
-        None => {
-            let (min, max) = framing::bounds_of(&objects);
-            framing::camera_on(min, max).map_err(|error| error.in_file(source.path))?
-        }
+        None => framing::camera_that_sees(&objects).map_err(|error| error.in_file(source.path))?,
     };
     let motions = objects.iter().map(|object| &object.motion).chain(lights.iter().map(|(_, motion)| motion));
     let of_skins = objects.iter().filter_map(|object| object.skin.as_ref()).map(|skin| skin.last_key_secs());

@@ -1,7 +1,7 @@
 //! A camera that sees all of something.
 
 use crate::mesh::bounds;
-use crate::{Camera, Object, SceneError};
+use crate::{Camera, Object, Pose, SceneError};
 use glam::{DVec3, Vec3};
 
 /// Degrees that the picture's height spans.
@@ -37,6 +37,21 @@ pub(super) fn camera_on(min: DVec3, max: DVec3) -> Result<Camera, SceneError> {
     .with_remedy("move it nearer, scale it, or give a camera"))
 }
 
+/// The bounding box, in the outer space, of the bounding box of points; `None` where there are none.
+pub(super) fn box_of(points: &[Vec3], pose: &Pose) -> Option<(DVec3, DVec3)> {
+    let (min, max) = bounds(points)?;
+    // In double precision, where what is far from the origin keeps its size.
+    let placed = corners(min.as_dvec3(), max.as_dvec3())
+        .map(|corner| pose.rotation.as_dquat() * (f64::from(pose.scale) * corner) + pose.translation.as_dvec3());
+    Some(placed.iter().fold((placed[0], placed[0]), |(min, max), p| (min.min(*p), max.max(*p))))
+}
+
+/// A camera that sees all objects that block; all of them, if none does.
+pub(crate) fn camera_that_sees(objects: &[Object]) -> Result<Camera, SceneError> {
+    let (min, max) = bounds_of(objects);
+    camera_on(min, max)
+}
+
 /// Whether a point is in the picture, whatever the picture's width.
 fn sees(camera: &Camera, point: DVec3) -> bool {
     let eye = camera.eye.as_dvec3();
@@ -57,14 +72,10 @@ fn corners(min: DVec3, max: DVec3) -> [DVec3; 8] {
 pub(super) fn bounds_of(objects: &[Object]) -> (DVec3, DVec3) {
     let of = |object: &Object| {
         let pose = object.motion.at(0.0);
-        let (min, max) = match object.deformed(0.0) {
-            Some(deformed) => bounds(&deformed.positions)?,
-            None => bounds(&object.mesh.positions)?,
-        };
-        // In double precision, where what is far from the origin keeps its size.
-        let placed = corners(min.as_dvec3(), max.as_dvec3())
-            .map(|corner| pose.rotation.as_dquat() * (f64::from(pose.scale) * corner) + pose.translation.as_dvec3());
-        Some(placed.iter().fold((placed[0], placed[0]), |(min, max), p| (min.min(*p), max.max(*p))))
+        match object.deformed(0.0) {
+            Some(deformed) => box_of(&deformed.positions, &pose),
+            None => box_of(&object.mesh.positions, &pose),
+        }
     };
     let union = |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
     let blockers = objects.iter().filter(|object| object.sphere_count > 0).filter_map(of).reduce(union);

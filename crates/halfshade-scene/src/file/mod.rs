@@ -66,6 +66,7 @@ mod changes;
 mod document;
 mod environment;
 mod framing;
+mod mesh_file;
 mod reflectance;
 mod source;
 mod subsurface;
@@ -73,10 +74,12 @@ mod values;
 
 pub use build::DEFAULT_SPHERE_COUNT;
 pub use changes::Change;
+pub(crate) use framing::camera_that_sees;
+pub use mesh_file::from_mesh;
+pub(crate) use source::stem;
 
-use crate::{Environment, Object, Pose, Scene, SceneError, builtin, mesh, text};
+use crate::{Scene, SceneError, text};
 use changes::changed;
-use glam::Vec3;
 use source::Source;
 use std::path::Path;
 
@@ -97,24 +100,4 @@ pub fn load_changed(path: &Path, changes: &[Change]) -> Result<Scene, SceneError
     let source = Source::new(path, &text);
     let document = source.parse()?;
     build::scene(&source, document)
-}
-
-/// The scene of a mesh file by itself: the mesh at its own scale and place, a grey ground plane under its lowest point,
-/// a camera that sees all of it. The mesh casts shadows by [`DEFAULT_SPHERE_COUNT`] spheres.
-pub fn from_mesh(path: &Path, environment: Environment) -> Result<Scene, SceneError> {
-    let (mesh, notes) = mesh::load_with_notes(path)?;
-    let (min, max) = mesh.bounds().ok_or_else(|| SceneError::new("the mesh is empty").in_file(path))?;
-    let name = source::stem(path);
-    let center = 0.5 * (min + max);
-    let ground = Object::new("ground", builtin::shapes::plane(128)).albedo(Vec3::splat(0.5)).pose(Pose {
-        // Wide enough that the penumbra of a light 30 degrees high ends on it.
-        scale: 1.5 * (max - min).length(),
-        ..Pose::from_translation(Vec3::new(center.x, min.y, center.z))
-    });
-    let object = Object::new(name.clone(), mesh).albedo(Vec3::splat(0.8)).sphere_count(DEFAULT_SPHERE_COUNT);
-    Ok(Scene {
-        camera: framing::camera_on(min.as_dvec3(), max.as_dvec3()).map_err(|error| error.in_file(path))?,
-        notes: source::named_notes(path, notes),
-        ..Scene::at_rest(name, vec![object, ground], environment)
-    })
 }

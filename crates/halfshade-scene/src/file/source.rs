@@ -68,6 +68,6 @@ pub(super) fn named_notes(path: &Path, notes: Vec<String>) -> Vec<String> {
 }
 
 /// A file's name without its extension.
-pub(super) fn stem(path: &Path) -> String {
+pub(crate) fn stem(path: &Path) -> String {
     path.file_stem().map_or_else(|| "scene".to_owned(), |stem| stem.to_string_lossy().into_owned())
 }

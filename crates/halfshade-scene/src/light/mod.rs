@@ -16,7 +16,9 @@ pub use directional_cells::DirectionalCells;
 pub use environment::{DistantLight, Environment, Sun};
 pub use environment_map::EnvironmentMap;
 pub use octahedral::{OctahedralGrid, OctahedralWeights};
+pub(crate) use probe::load_picture;
 pub use probe::{EXTENSIONS, ProbeOptions, Projection, load_probe};
+pub(crate) use sky::SUN_ANGULAR_RADIUS;
 pub use sky::{KILOCANDELAS_PER_UNIT, Sky};
 pub use sphere_light::SphereLight;
 

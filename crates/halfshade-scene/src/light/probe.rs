@@ -75,6 +75,18 @@ pub fn load_probe(path: &Path, options: &ProbeOptions) -> Result<(EnvironmentMap
     read(path, options).map_err(|error| error.in_file(path))
 }
 
+/// Reads a picture of radiance, Radiance HDR or OpenEXR, whatever its shape and its projection: columns and rows, pixels
+/// row by row from the top, and what the user should know. Radiance is converted and checked as [`load_probe`] does.
+pub(crate) fn load_picture(path: &Path) -> Result<([usize; 2], Vec<Vec3>, Vec<String>), SceneError> {
+    let read = || {
+        let bytes = crate::input::read(path).map_err(|error| SceneError::new(format!("cannot be read: {error}")))?;
+        let Decoded { mut image, to_rec709, mut notes } = decode(&bytes, None)?;
+        notes.extend(to_radiance(&mut image, Projection::LatLong, to_rec709, None)?);
+        Ok(([image.width, image.height], image.texels, notes))
+    };
+    read().map_err(|error: SceneError| error.in_file(path))
+}
+
 fn read(path: &Path, options: &ProbeOptions) -> Result<(EnvironmentMap, Vec<String>), SceneError> {
     let ProbeOptions { projection, forward_degrees, layer, clamp } = options;
     if !forward_degrees.is_finite() {

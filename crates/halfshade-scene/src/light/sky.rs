@@ -9,7 +9,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 pub const KILOCANDELAS_PER_UNIT: f64 = 10.0;
 
 /// Angular radius of the sun in radians.
-const SUN_ANGULAR_RADIUS: f64 = 0.00465;
+pub(crate) const SUN_ANGULAR_RADIUS: f64 = 0.00465;
 
 /// Illuminance of the sun above the atmosphere, in klx: the solar illuminance constant.
 const SUN_KILOLUX: f64 = 133.3;

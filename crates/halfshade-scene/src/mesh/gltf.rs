@@ -16,30 +16,37 @@ mod extensions;
 mod instances;
 mod material;
 mod morph;
+mod movement;
 mod nodes;
 mod primitive;
 mod skeleton;
+mod stage;
 mod textures;
 mod track;
 mod uri;
 
 use super::animation::Animation;
 use super::assemble::{RawMesh, RawMorph};
+use super::file_scene::Punctual;
+use crate::{Camera, Motion};
 use crate::{Joint, SceneError};
 use ::gltf::{Document, Node};
 use buffers::Buffers;
+use extensions::Aim;
 use glam::DMat4;
 use instances::instances;
 use material::Coverage;
-use nodes::world_from;
+use nodes::{PlacedNode, world_from};
 use primitive::{Part, Placement};
 use skeleton::Skeleton;
+use stage::Stage;
+use std::collections::BTreeMap;
 use std::path::Path;
 use textures::Textures;
 
 /// The mesh as the document has it, at rest.
 pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<RawMesh, SceneError> {
-    let (document, buffers, notes) = document::read(path, bytes)?;
+    let (document, buffers, notes) = document::read(path, bytes, Aim::Mesh)?;
     let skeleton = if document.skins().len() > 0 { Some(Skeleton::new(&document, &buffers, None)?) } else { None };
     let mut collector = Collector::new(&document, &buffers, skeleton);
     collector.collect()?;
@@ -52,7 +59,7 @@ pub(super) fn parse_animated(
     bytes: &[u8],
     animation: &Animation,
 ) -> Result<(RawMesh, Vec<Joint>), SceneError> {
-    let (document, buffers, notes) = document::read(path, bytes)?;
+    let (document, buffers, notes) = document::read(path, bytes, Aim::Mesh)?;
     let skeleton = Skeleton::new(&document, &buffers, Some(animation))?;
     let mut collector = Collector { is_animated: true, ..Collector::new(&document, &buffers, Some(skeleton)) };
     collector.collect()?;
@@ -64,6 +71,86 @@ pub(super) fn parse_animated(
     }
 }
 
+/// A document as a scene.
+pub(super) struct RawScene {
+    pub(super) still: Option<RawMesh>,
+    /// Name, mesh in its own space, and movement of what the first animation moves as a whole.
+    pub(super) moving: Vec<(String, RawMesh, Motion)>,
+    pub(super) camera: Option<Camera>,
+    pub(super) lights: Vec<Punctual>,
+    pub(super) notes: Vec<String>,
+}
+
+/// The document with what its first animation moves as a whole apart, its first camera, and its punctual lights. Skins and
+/// morph targets stay at rest.
+pub(super) fn parse_scene(path: &Path, bytes: &[u8]) -> Result<RawScene, SceneError> {
+    let (document, buffers, mut notes) = document::read(path, bytes, Aim::Scene)?;
+    let mut places = nodes::places(&document)?;
+    let count = document.animations().len();
+    if count > 0 {
+        channels::read_channels(&document, &buffers, &Animation::Number(0), &mut places)?;
+    }
+    nodes::follow_moved(&mut places)?;
+    let mut motions: BTreeMap<usize, Motion> = BTreeMap::new();
+    let movers = places.iter().filter(|place| place.node.mesh().is_some() && place.node.skin().is_none());
+    for moved in movers.filter_map(|place| place.moved) {
+        match movement::motion(&places, moved) {
+            Ok(motion) if motion.moves() => drop(motions.insert(moved, motion)),
+            Ok(_) => {}
+            Err(error) => notes.push(format!("a movement is left out: {}", error.problem)),
+        }
+    }
+    if count > 1 && !motions.is_empty() {
+        notes.push(format!("of {count} animations the first is shown"));
+    }
+    if places.iter().any(|place| place.node.skin().is_some() && count > 0 || !place.weights.is_empty()) {
+        notes.push("skins and morph targets stay at rest; `animation` in a scene file moves them".to_owned());
+    }
+    let mut scene = RawScene { still: None, moving: Vec::new(), camera: None, lights: Vec::new(), notes };
+    let groups: Vec<Option<usize>> = std::iter::once(None).chain(motions.keys().copied().map(Some)).collect();
+    for moved in groups {
+        let skeleton = if document.skins().len() > 0 { Some(Skeleton::new(&document, &buffers, None)?) } else { None };
+        let group = Group { places: &places, motions: &motions, moved, stage: Stage::default() };
+        let mut collector = Collector { group: Some(group), ..Collector::new(&document, &buffers, skeleton) };
+        collector.collect()?;
+        let stage = collector.group.take().map(|group| group.stage).unwrap_or_default();
+        if moved.is_none() {
+            (scene.camera, scene.lights) = (stage.camera, stage.lights);
+            scene.notes.extend(stage.notes);
+        }
+        if collector.raw.triangles.is_empty() && collector.has_mesh && !motions.is_empty() {
+            continue;
+        }
+        let (raw, _) = collector.finish(Vec::new())?;
+        match moved.and_then(|moved| Some((moved, motions.get(&moved)?))) {
+            Some((moved, motion)) => {
+                let node = &places[moved].node;
+                let name = node.name().map_or_else(|| format!("node {moved}"), str::to_owned);
+                scene.moving.push((name, raw, motion.clone()));
+            }
+            None => scene.still = Some(raw),
+        }
+    }
+    Ok(scene)
+}
+
+/// The part of a document that is collected: meshes that one node moves, or all that none does, with cameras and lights.
+struct Group<'a> {
+    places: &'a [PlacedNode<'a>],
+    motions: &'a BTreeMap<usize, Motion>,
+    moved: Option<usize>,
+    stage: Stage,
+}
+
+impl Group<'_> {
+    /// Whether a node is of the group, and where its mesh stands.
+    fn place(&self, node: &Node<'_>) -> (bool, DMat4) {
+        let place = &self.places[node.index()];
+        let moved = place.moved.filter(|moved| node.skin().is_none() && self.motions.contains_key(moved));
+        (moved == self.moved, if moved.is_some() { place.moved_from_node } else { place.world_from_node })
+    }
+}
+
 /// All meshes of the document's scene on their way to become one.
 struct Collector<'a> {
     document: &'a Document,
@@ -71,6 +158,8 @@ struct Collector<'a> {
     /// Where a document has skins, or an animation was asked for.
     skeleton: Option<Skeleton<'a>>,
     is_animated: bool,
+    /// Where only a part is collected.
+    group: Option<Group<'a>>,
     textures: Textures<'a>,
     raw: RawMesh,
     left_out: LeftOut,
@@ -91,7 +180,7 @@ struct LeftOut {
 impl<'a> Collector<'a> {
     fn new(document: &'a Document, buffers: &'a Buffers, skeleton: Option<Skeleton<'a>>) -> Self {
         let (raw, left_out, textures) = (RawMesh::default(), LeftOut::default(), Textures::new(document));
-        Self { document, buffers, skeleton, is_animated: false, textures, raw, left_out, has_mesh: false }
+        Self { document, buffers, skeleton, is_animated: false, group: None, textures, raw, left_out, has_mesh: false }
     }
 
     /// Walks through the nodes of the scene.
@@ -134,8 +223,20 @@ impl<'a> Collector<'a> {
 
     /// Adds the mesh of a node, if it has one.
     fn add(&mut self, node: &Node<'a>, world_from_node: DMat4) -> Result<(), SceneError> {
+        let mut world_from_node = world_from_node;
+        let mut is_of_group = true;
+        if let Some(group) = &mut self.group {
+            if group.moved.is_none() {
+                let moves = group.places[node.index()].moved.is_some();
+                group.stage.add(self.document, node, world_from_node, moves)?;
+            }
+            (is_of_group, world_from_node) = group.place(node);
+        }
         let Some(mesh) = node.mesh() else { return Ok(()) };
         self.has_mesh = true;
+        if !is_of_group {
+            return Ok(());
+        }
         let name = mesh.name().map_or_else(|| mesh.index().to_string(), |name| format!("`{name}`"));
         let about = |error: SceneError| SceneError { problem: format!("mesh {name}: {}", error.problem), ..error };
         let mut copies = instances(node, self.document, self.buffers).map_err(about)?;

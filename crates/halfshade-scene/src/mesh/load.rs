@@ -1,6 +1,7 @@
 //! Mesh files: which loader reads what.
 
-use super::assemble::{Assembled, LARGEST_COORDINATE, assemble};
+use super::assemble::{Assembled, LARGEST_COORDINATE, RawMesh, assemble};
+use super::file_scene::{FileScene, MovingPart};
 use super::{Animation, ColorEncoding, Mesh, gltf, obj, ply};
 use crate::{SceneError, Skin};
 use std::path::Path;
@@ -49,6 +50,38 @@ pub fn parse(path: &Path, bytes: &[u8], colors: Option<ColorEncoding>) -> Result
     };
     let Assembled { mesh, notes, .. } = raw.and_then(assemble).map_err(about)?;
     Ok((mesh, notes))
+}
+
+/// A mesh of unchecked values, without colours and textures, made as sound as [`load`] makes those of files; with notes for
+/// people.
+pub(crate) fn sound(mesh: Mesh) -> Result<(Mesh, Vec<String>), SceneError> {
+    let Mesh { positions, normals, texture_coordinates, triangles, .. } = mesh;
+    let raw = RawMesh { positions, normals, texture_coordinates, triangles, ..RawMesh::default() };
+    assemble(raw).map(|Assembled { mesh, notes, .. }| (mesh, notes))
+}
+
+/// A mesh file as a scene: of a glTF, what its first animation moves as a whole stands apart, and camera and lights come
+/// along; of other formats, the mesh is all.
+pub(crate) fn load_scene(path: &Path) -> Result<FileScene, SceneError> {
+    let about = |error: SceneError| error.in_file(path);
+    if !matches!(extension(path).as_str(), "gltf" | "glb") {
+        let (mesh, notes) = load_with_notes(path)?;
+        return Ok(FileScene { still: Some(mesh), moving: Vec::new(), camera: None, lights: Vec::new(), notes });
+    }
+    let gltf::RawScene { still, moving, camera, lights, mut notes } =
+        gltf::parse_scene(path, &bytes_of(path)?).map_err(about)?;
+    let mut sound = |raw: RawMesh| {
+        let Assembled { mesh, notes: found, .. } = assemble(raw).map_err(about)?;
+        let new: Vec<String> = found.into_iter().filter(|note| !notes.contains(note)).collect();
+        notes.extend(new);
+        Ok::<Mesh, SceneError>(mesh)
+    };
+    let still = still.map(&mut sound).transpose()?;
+    let moving = moving
+        .into_iter()
+        .map(|(name, raw, motion)| Ok(MovingPart { name, mesh: sound(raw)?, motion }))
+        .collect::<Result<_, SceneError>>()?;
+    Ok(FileScene { still, moving, camera, lights, notes })
 }
 
 fn check_extension(path: &Path) -> Result<(), SceneError> {

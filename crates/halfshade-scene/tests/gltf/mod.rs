@@ -5,3 +5,4 @@ pub(crate) mod glb;
 mod materials;
 mod refusals;
 mod skins;
+mod stage;

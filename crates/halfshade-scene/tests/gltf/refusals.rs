@@ -2,8 +2,8 @@
 
 use super::glb::{self, Builder};
 use glam::Vec3;
-use halfshade_scene::SceneError;
 use halfshade_scene::mesh::{self, Animation, Mesh};
+use halfshade_scene::{Environment, SceneError, file};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::time::{Duration, Instant};
@@ -159,7 +159,14 @@ fn corpus() -> Vec<Vec<u8>> {
         {material},"meshes":[{{"weights":[1],"primitives":[{{"attributes":{{"POSITION":0,"NORMAL":6}},"indices":1,"mode":5,"targets":[{{"POSITION":6,"NORMAL":10}}]}}]}}],
         "animations":[{{"samplers":[{{"input":7,"output":8,"interpolation":"STEP"}}],"channels":[{{"sampler":0,"target":{{"node":0,"path":"weights"}}}}]}}]"#
     );
-    vec![builder.glb(&skinned), builder.glb(&copies), inline().into_bytes()]
+    let staged = format!(
+        r#"{scene},"nodes":[{{"mesh":0,"camera":0,"children":[1]}},{{"mesh":0,"extensions":{{"KHR_lights_punctual":{{"light":0}}}}}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"indices":1}}]}}],"cameras":[{{"type":"perspective","perspective":{{"yfov":0.5,"znear":0.1}}}}],
+        "extensions":{{"KHR_lights_punctual":{{"lights":[{{"type":"point","intensity":9,"color":[1,0.5,0]}}]}}}},
+        "animations":[{{"samplers":[{{"input":7,"output":9}}],"channels":[{{"sampler":0,"target":{{"node":0,"path":"translation"}}}},
+        {{"sampler":0,"target":{{"node":1,"path":"translation"}}}}]}}]"#
+    );
+    vec![builder.glb(&skinned), builder.glb(&copies), inline().into_bytes(), builder.glb(&staged)]
 }
 
 /// `HALFSHADE_FUZZ_SECS` sets how long; three seconds without.
@@ -167,7 +174,7 @@ fn corpus() -> Vec<Vec<u8>> {
 fn no_damage_makes_the_reader_panic_or_hang() {
     let corpus = corpus();
     let folder = tempfile::tempdir().unwrap();
-    let paths = ["x.glb", "x.glb", "x.gltf"].map(|name| folder.path().join(name));
+    let paths = ["x.glb", "x.glb", "x.gltf", "x.glb"].map(|name| folder.path().join(name));
     for (bytes, path) in corpus.iter().zip(&paths) {
         std::fs::write(path, bytes).unwrap();
         mesh::load(path).unwrap_or_else(|error| panic!("{error}"));
@@ -200,7 +207,13 @@ fn no_damage_makes_the_reader_panic_or_hang() {
         let start = Instant::now();
         let still = mesh::load(&paths[number]);
         let moving = mesh::load_animated(&paths[number], &Animation::Number(0));
+        let scene = file::from_mesh(&paths[number], Some(Environment::constant(glam::Vec3::ONE)));
         slowest = slowest.max(start.elapsed());
+        if let Ok(scene) = scene {
+            let poses = scene.frame(scene.frame_count - 1).world_from_object;
+            assert!(poses.iter().all(|pose| pose.translation.is_finite() && pose.scale > 0.0));
+            assert!(scene.lights.iter().all(|(light, _)| light.radiance.is_finite() && light.radius > 0.0));
+        }
         for mesh in still.iter().chain(moving.iter().map(|(mesh, _)| mesh)) {
             assert!(mesh.positions.iter().chain(&mesh.normals).chain(&mesh.colors).all(|p| p.is_finite()));
             assert!(

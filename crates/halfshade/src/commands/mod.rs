@@ -3,6 +3,7 @@
 mod check;
 mod compare;
 mod context;
+mod export;
 mod list;
 mod merge;
 mod picture;
@@ -33,6 +34,7 @@ pub(crate) fn dispatch(cli: Cli, arguments: Vec<OsString>) -> Result<ExitCode, F
         Command::Tune(arguments) => tune::tune(&context, &arguments),
         Command::Render(arguments) => on_threads(&context, || render::render(&context, &arguments)),
         Command::Truth(arguments) => on_threads(&context, || truth::truth(&context, &arguments)),
+        Command::Export(arguments) => export::export(&context, &arguments),
         Command::Spheres(arguments) => on_threads(&context, || spheres::spheres(&context, &arguments)),
     }
 }

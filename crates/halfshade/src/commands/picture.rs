@@ -1,18 +1,21 @@
 //! Pictures that commands draw: how they look, where they go, and those in which nothing is to be seen.
 
-use crate::{cli::SceneArguments, failure::Failure};
+use crate::{
+    cli::{PictureArguments, SceneArguments},
+    failure::Failure,
+};
 use glam::Vec3;
 use halfshade_harness::Picture;
 use halfshade_scene::Scene;
 use std::path::{Path, PathBuf};
 
 /// Radiance where nothing is hit.
-pub(super) fn background(arguments: &SceneArguments) -> Vec3 {
+pub(super) fn background(arguments: &PictureArguments) -> Vec3 {
     arguments.background.map_or(Vec3::ZERO, Vec3::from)
 }
 
 /// Factor for a picture that is looked at.
-pub(super) fn exposure(picture: &Picture, arguments: &SceneArguments) -> f32 {
+pub(super) fn exposure(picture: &Picture, arguments: &PictureArguments) -> f32 {
     arguments.exposure.map_or_else(|| picture.exposure(), f32::exp2)
 }
 

@@ -71,16 +71,16 @@ pub(super) fn render(context: &Context, arguments: &RenderArguments) -> Result<E
     let times =
         frame_times(&context.clock, device, baked.as_mut(), &frame, &receivers, TIMED_FRAMES).map_err(failed)?;
     tell_times(&TimeFigures { bake_secs, ..times })?;
-    let picture = projection.picture(&radiance, background(&arguments.scene));
+    let picture = projection.picture(&radiance, background(&arguments.picture));
     let mut layers = vec![(String::new(), picture)];
     if arguments.truth {
         let truth = truth_of(context, arguments, &frame, &receivers)?;
         tell_error(&radiance, &truth)?;
-        let truth = projection.picture(&truth.radiance, background(&arguments.scene));
+        let truth = projection.picture(&truth.radiance, background(&arguments.picture));
         let error = layers[0].1.minus(&truth);
         layers.extend([("truth".to_owned(), truth), ("error".to_owned(), error)]);
     }
-    let exposure = exposure(&layers[0].1, &arguments.scene);
+    let exposure = exposure(&layers[0].1, &arguments.picture);
     let layers: Vec<(&str, &Picture)> = layers.iter().map(|(name, picture)| (name.as_str(), picture)).collect();
     write_picture(&output, &layers, exposure)?;
     context.bars.note(&format!("wrote {}{}", output.display(), told_exposure(&output, exposure)));

@@ -31,10 +31,10 @@ pub(super) fn truth(context: &Context, arguments: &TruthArguments) -> Result<Exi
     let found = estimate(&tracer, receivers.view(), &options, &context.bars);
     let place = format!("scene `{}`, frame {}", scene.name, arguments.scene.frame);
     check_range([&found.radiance, &found.standard_error], &found.draws, found.unshadowed_mean, &place)?;
-    let picture = projection.picture(&found.radiance, background(&arguments.scene));
+    let picture = projection.picture(&found.radiance, background(&arguments.picture));
     let relative = relative(found.rms_standard_error, found.unshadowed_mean);
     let stderr = projection.picture(&found.standard_error, Vec3::ZERO);
-    let exposure = exposure(&picture, &arguments.scene);
+    let exposure = exposure(&picture, &arguments.picture);
     write_picture(&output, &[("", &picture), ("stderr", &stderr)], exposure)?;
     terminal::data(&format!(
         "receivers: {}\nsamples: {}\nrms_standard_error: {:.3e}\nrelative_standard_error: {}\nunshadowed_mean: {}\n",

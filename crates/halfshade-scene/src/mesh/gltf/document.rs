@@ -6,7 +6,7 @@
 
 use super::buffers::Buffers;
 use super::emission::emission_note;
-use super::extensions;
+use super::extensions::{self, Aim};
 use super::instances;
 use super::morph;
 use super::uri;
@@ -17,11 +17,11 @@ use std::collections::HashSet;
 use std::path::Path;
 
 /// The document in a file, its buffers, and what of it isn't read, for people.
-pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<(Document, Buffers, Vec<String>), SceneError> {
+pub(super) fn read(path: &Path, bytes: &[u8], aim: Aim) -> Result<(Document, Buffers, Vec<String>), SceneError> {
     let (text, blob) = parts(bytes)?;
     let text = unpadded(&text)?;
     let mut json = parse(text, blob.is_none())?;
-    let mut notes = extensions::check(&json)?;
+    let mut notes = extensions::check(&json, aim)?;
     notes.extend(emission_note(&json));
     notes.extend(instances::note(&json));
     notes.extend(morph::note(text, &json));

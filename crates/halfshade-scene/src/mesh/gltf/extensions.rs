@@ -24,9 +24,20 @@ fn is_of_appearance(name: &str) -> bool {
     name.starts_with("KHR_materials_") || name.starts_with("KHR_lights_") || name.starts_with("KHR_xmp")
 }
 
+/// Purpose for which a document is read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Aim {
+    /// Its meshes.
+    Mesh,
+    /// Its lights too.
+    Scene,
+}
+
 /// Refuses what can't be read without its extensions; what is left out of the rest, for people.
-pub(super) fn check(json: &Root) -> Result<Vec<String>, SceneError> {
-    let is_known = |name: &str| READ.contains(&name) || IMAGES.contains(&name);
+pub(super) fn check(json: &Root, aim: Aim) -> Result<Vec<String>, SceneError> {
+    let is_known = |name: &str| {
+        READ.contains(&name) || IMAGES.contains(&name) || (aim == Aim::Scene && name == "KHR_lights_punctual")
+    };
     for name in json.extensions_required.iter().map(String::as_str) {
         if COMPRESSIONS.contains(&name) {
             return Err(compressed(name));
@@ -65,13 +76,15 @@ mod tests {
     #[test]
     fn what_is_left_out_is_listed_once_and_what_is_needed_is_named() {
         assert!(
-            check(&root(&["KHR_mesh_quantization", "EXT_texture_webp"], &["KHR_mesh_quantization"]))
+            check(&root(&["KHR_mesh_quantization", "EXT_texture_webp"], &["KHR_mesh_quantization"]), Aim::Mesh)
                 .unwrap()
                 .is_empty()
         );
-        let notes = check(&root(&["KHR_materials_unlit", "KHR_lights_punctual"], &["KHR_materials_unlit"])).unwrap();
+        let lit = root(&["KHR_materials_unlit", "KHR_lights_punctual"], &["KHR_materials_unlit"]);
+        let notes = check(&lit, Aim::Mesh).unwrap();
         assert_eq!(notes, ["extensions of glTF that are not read: KHR_lights_punctual, KHR_materials_unlit"]);
-        let error = |name: &str| check(&root(&[], &[name])).unwrap_err().to_string();
+        assert_eq!(check(&lit, Aim::Scene).unwrap(), ["extensions of glTF that are not read: KHR_materials_unlit"]);
+        let error = |name: &str| check(&root(&[], &[name]), Aim::Mesh).unwrap_err().to_string();
         for name in COMPRESSIONS {
             assert!(error(name).starts_with(&format!("its geometry is compressed with {name}")), "{}", error(name));
         }
