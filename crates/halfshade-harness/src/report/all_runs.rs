@@ -7,8 +7,11 @@ use crate::{
     results::{Results, Status},
 };
 
+/// The interval of a figure, if it has one.
+type IntervalOf = fn(&Intervals) -> Option<[f64; 2]>;
+
 /// Intervals in the order of their columns.
-const INTERVALS: [fn(&Intervals) -> Option<[f64; 2]>; 7] = [
+const INTERVALS: [IntervalOf; 7] = [
     |it| it.rel_rmse,
     |it| Some(it.rmse),
     |it| Some(it.bias),
