@@ -5,7 +5,7 @@ use glam::Vec3;
 use halfshade_scene::{
     Environment, Mesh, Scene, builtin, file,
     light::{self, ProbeOptions, Projection, Sky, load_probe},
-    mesh,
+    mesh, text,
 };
 use std::path::Path;
 
@@ -49,8 +49,9 @@ pub fn resolve(name: &str, folder: &Path, light: &MeshLight<'_>) -> Result<Scene
         return Ok(scene);
     }
     let known: Vec<&str> = builtin::SCENES.iter().map(|(name, _)| *name).collect();
+    let meant = text::did_you_mean(name, known.iter().copied());
     Err(HarnessError::input(format!(
-        "unknown scene `{name}`; built in: {}; or give a scene file (.toml) or a mesh file (.{})",
+        "unknown scene `{name}`{meant}; built in: {}; or give a scene file (.toml) or a mesh file (.{})",
         known.join(", "),
         MESHES.join(", .")
     )))

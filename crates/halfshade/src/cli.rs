@@ -1,5 +1,6 @@
 //! The arguments: a contract, extended but not broken.
 
+use crate::revision::REVISION;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use halfshade_harness::{Device, scene_source::MeshLight, threads::MAX_THREADS};
 use halfshade_scene::{
@@ -12,8 +13,19 @@ use std::{convert::Infallible, path::PathBuf, str::FromStr};
 
 /// Compares real-time methods for soft shadows: error and time of every strategy against ray-traced truth.
 #[derive(Debug, Parser)]
-#[command(name = "halfshade", version, arg_required_else_help = true)]
+#[command(name = "halfshade", version = REVISION, arg_required_else_help = true)]
 pub struct Cli {
+    /// Arguments of every command.
+    #[command(flatten)]
+    pub global: GlobalArguments,
+    /// The command.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// Arguments of every command.
+#[derive(Debug, Args)]
+pub struct GlobalArguments {
     /// Keep baked data in this folder instead of the platform's cache (or set HALFSHADE_CACHE).
     #[arg(long, global = true, value_name = "DIR")]
     pub cache: Option<PathBuf>,
@@ -24,9 +36,12 @@ pub struct Cli {
     /// [default: auto].
     #[arg(long, global = true, value_name = "CHOICE")]
     pub gpu: Option<halfshade_gpu::Choice>,
-    /// The command.
-    #[command(subcommand)]
-    pub command: Command,
+    /// Tell errors only: no notes, no progress.
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    pub quiet: bool,
+    /// Tell each stage as it begins.
+    #[arg(short, long, global = true)]
+    pub verbose: bool,
 }
 
 /// The command.
@@ -48,6 +63,14 @@ pub enum Command {
     Check(CheckArguments),
     /// Write tables and plots from stored results, with the pictures that lie beside them.
     Report(ReportArguments),
+    /// Write a commented scene or experiment file to begin with.
+    New(NewArguments),
+    /// Print the keys of scene or experiment files: as JSON Schema for editors, or as tables.
+    Schema(SchemaArguments),
+    /// Print a script that completes arguments in a shell.
+    Completions(CompletionsArguments),
+    /// Print a manual page.
+    Man(ManArguments),
 }
 
 /// Arguments of `run`.
@@ -339,6 +362,51 @@ pub enum FormatChoice {
     Html,
     /// Aligned columns, without marks.
     Text,
+}
+
+/// Kinds of files that people write.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum FileChoice {
+    /// A scene: meshes, light, a camera.
+    Scene,
+    /// An experiment: scenes, strategies, how exactly they are compared.
+    Experiment,
+}
+
+/// Arguments of `new`.
+#[derive(Debug, Args)]
+pub struct NewArguments {
+    /// Kind of the file.
+    #[arg(value_enum)]
+    pub kind: FileChoice,
+    /// The file, which must not be there yet [default: scene.toml or experiment.toml].
+    pub file: Option<PathBuf>,
+}
+
+/// Arguments of `schema`.
+#[derive(Debug, Args)]
+pub struct SchemaArguments {
+    /// Kind of the files.
+    #[arg(value_enum)]
+    pub kind: FileChoice,
+    /// Print tables in Markdown.
+    #[arg(long)]
+    pub markdown: bool,
+}
+
+/// Arguments of `completions`.
+#[derive(Debug, Args)]
+pub struct CompletionsArguments {
+    /// The shell.
+    #[arg(value_enum)]
+    pub shell: clap_complete::Shell,
+}
+
+/// Arguments of `man`.
+#[derive(Debug, Args)]
+pub struct ManArguments {
+    /// The command that it is about, if it isn't about all.
+    pub command: Option<String>,
 }
 
 fn resolution(text: &str) -> Result<[u32; 2], String> {

@@ -4,6 +4,8 @@ mod bad_input;
 mod command_line;
 mod common;
 mod experiments;
+mod guide;
+mod pages;
 mod readme;
 mod runs;
 mod shared_assets;

@@ -4,6 +4,7 @@ mod choice;
 mod difference;
 mod group;
 mod measure;
+mod parts;
 mod picture;
 mod plan;
 mod record;
@@ -29,6 +30,7 @@ use crate::{
 use group::Group;
 use halfshade_scene::Scene;
 use measure::measure;
+use parts::Parts;
 use record::Record;
 use resume::{RunStart, header_of};
 use setup::Setup;
@@ -52,7 +54,8 @@ pub fn run(experiment: &Experiment, tools: &Tools<'_>, options: &RunOptions) -> 
             RunStart::Open(record) => *record,
         },
     };
-    let setup = Setup { tools, plan: &plan, threads, truth_cache: record.truth_cache(), is_kept: record.is_kept() };
+    let (parts, truth_cache) = (Parts::of(&plan, tools.progress), record.truth_cache());
+    let setup = Setup { tools, plan: &plan, threads, parts, truth_cache, is_kept: record.is_kept() };
     threads::with_threads(Some(threads), || {
         for (entry, planned) in experiment.scenes.iter().zip(&plan.scenes) {
             let scene = with_spheres(&setup, &planned.scene)?;
@@ -67,6 +70,7 @@ pub fn run(experiment: &Experiment, tools: &Tools<'_>, options: &RunOptions) -> 
                 for (kind_place, &kind) in planned.receivers.iter().enumerate() {
                     let pictured = place == 0 && kind_place == 0;
                     let group = Group::new(&setup, &scene, frame, kind, pictured)?;
+                    setup.parts.add(1);
                     measure(&setup, &group, &mut record, &mut results)?;
                 }
             }

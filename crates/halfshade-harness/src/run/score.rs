@@ -3,6 +3,7 @@
 use super::{group::Group, references::Traced, setup::Setup};
 use crate::{
     Reference, ReferenceKind,
+    ability::inability,
     classes::by_class,
     clock::time_secs,
     image_metrics::Similarity,
@@ -11,7 +12,7 @@ use crate::{
     shading::{count_not_finite, shade_frame},
 };
 use halfshade_scene::{RadianceBuffer, Scene};
-use halfshade_strategy::{Baked, Effects, StrategyError};
+use halfshade_strategy::{Baked, StrategyError};
 use std::collections::BTreeMap;
 
 /// A variant after it was scored.
@@ -72,9 +73,8 @@ fn shade_once(setup: &Setup<'_>, group: &Group<'_>, place: usize) -> Result<(f64
     let variant = &setup.plan.variants[place];
     let (tools, frame) = (setup.tools, &group.frame);
     let strategy = tools.strategy(variant).ok_or_else(|| Refusal::unsupported(NO_KERNELS.into()))?;
-    let missing = strategy.info().effects.missing(Effects::required_by(frame.scene));
-    if !missing.is_empty() {
-        return Err(Refusal::unsupported(format!("can't model {missing}")));
+    if let Some(reason) = inability(strategy, frame.scene, tools.strategies) {
+        return Err(Refusal::unsupported(reason));
     }
     let (bake_secs, baked) = time_secs(tools.clock, || strategy.bake(frame.scene, &variant.params, tools.progress));
     let mut baked = baked?;

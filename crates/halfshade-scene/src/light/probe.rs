@@ -5,8 +5,9 @@ use super::image_file::{Decoded, Image, decode};
 use super::{EnvironmentMap, luminance};
 use crate::SceneError;
 use glam::{DMat3, Vec3};
+use schemars::JsonSchema;
+use serde::Deserialize;
 use std::path::Path;
-use std::str::FromStr;
 
 /// Extensions of the images that [`load_probe`] reads, in lower case.
 pub const EXTENSIONS: &[&str] = &["hdr", "pic", "exr"];
@@ -15,29 +16,13 @@ pub const EXTENSIONS: &[&str] = &["hdr", "pic", "exr"];
 const NEGLIGIBLE: f32 = 0.01;
 
 /// Projection of all directions onto an image.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
 pub enum Projection {
     /// Latitude and longitude: row 0 is the zenith, width is twice the height.
     LatLong,
     /// A disc: radius proportional to the angle from the centre. Width equals height.
     Angular,
-}
-
-impl Projection {
-    /// The names that scene files use.
-    pub const NAMES: [&'static str; 2] = ["latlong", "angular"];
-}
-
-impl FromStr for Projection {
-    type Err = SceneError;
-
-    fn from_str(name: &str) -> Result<Self, SceneError> {
-        match name {
-            "latlong" => Ok(Self::LatLong),
-            "angular" => Ok(Self::Angular),
-            _ => Err(SceneError::new(format!("unknown projection `{name}`; known: {}", Self::NAMES.join(", ")))),
-        }
-    }
 }
 
 /// Options for reading a light probe.

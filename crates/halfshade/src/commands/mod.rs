@@ -2,12 +2,16 @@
 
 mod check;
 mod compare;
+mod completions;
 mod context;
 mod list;
+mod man;
+mod new;
 mod picture;
 mod render;
 mod report;
 mod run;
+mod schema;
 mod spheres;
 mod truth;
 
@@ -16,17 +20,27 @@ use crate::{
     failure::Failure,
 };
 use context::Context;
+use halfshade_scene::Cache;
+use halfshade_strategy::Strategy;
 use std::{ffi::OsString, process::ExitCode};
 
-/// Does what was asked.
-pub(crate) fn dispatch(cli: Cli, arguments: Vec<OsString>) -> Result<ExitCode, Failure> {
-    let context = Context::new(cli.cache, cli.threads, cli.gpu, arguments);
+/// Does what was asked, with `more` strategies than our own.
+pub(crate) fn dispatch(
+    cli: Cli,
+    arguments: Vec<OsString>,
+    more: impl FnOnce(&Cache) -> Vec<Box<dyn Strategy>>,
+) -> Result<ExitCode, Failure> {
+    let context = Context::new(cli.global, arguments, more);
     match cli.command {
         Command::Run(arguments) => run::run(&context, &arguments),
         Command::Compare(arguments) => compare::compare(&context, &arguments),
         Command::Check(arguments) => check::check(&context, &arguments),
         Command::List(arguments) => list::list(&context, &arguments),
         Command::Report(arguments) => report::report(&context, &arguments),
+        Command::New(arguments) => new::new(&context, &arguments),
+        Command::Schema(arguments) => schema::schema(&arguments),
+        Command::Completions(arguments) => completions::completions(&arguments),
+        Command::Man(arguments) => man::man(&arguments),
         Command::Render(arguments) => on_threads(&context, || render::render(&context, &arguments)),
         Command::Truth(arguments) => on_threads(&context, || truth::truth(&context, &arguments)),
         Command::Spheres(arguments) => on_threads(&context, || spheres::spheres(&context, &arguments)),

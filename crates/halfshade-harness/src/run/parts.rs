@@ -1,0 +1,29 @@
+//! The parts of a run, and how many of them are done, for whoever waits for its end.
+
+use super::plan::Plan;
+use halfshade_scene::Progress;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// A count of parts: of each group its references, the score of every variant, and its time.
+pub(super) struct Parts<'a> {
+    progress: &'a dyn Progress,
+    total: u64,
+    done: AtomicU64,
+}
+
+impl<'a> Parts<'a> {
+    /// Those of `plan`, none of them done.
+    pub(super) fn of(plan: &Plan, progress: &'a dyn Progress) -> Self {
+        let groups: usize = plan.scenes.iter().map(|scene| scene.frames.len() * scene.receivers.len()).sum();
+        let of_a_variant = if plan.timing.is_some() { 2 } else { 1 };
+        let total = (groups * (1 + of_a_variant * plan.variants.len())) as u64;
+        progress.overall(0, total);
+        Self { progress, total, done: AtomicU64::new(0) }
+    }
+
+    /// Tells that so many more are done.
+    pub(super) fn add(&self, count: usize) {
+        let before = self.done.fetch_add(count as u64, Ordering::Relaxed);
+        self.progress.overall(before + count as u64, self.total);
+    }
+}
