@@ -1,8 +1,18 @@
 //! The arguments: a contract, extended but not broken.
 
+mod count;
+mod files;
+mod global;
+mod shell;
+
+pub use files::{FileChoice, NewArguments, SchemaArguments};
+pub use global::GlobalArguments;
+pub use shell::{CompletionsArguments, ManArguments};
+
 use crate::revision::REVISION;
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use halfshade_harness::{Device, scene_source::MeshLight, threads::MAX_THREADS};
+use count::count;
+use halfshade_harness::{Device, scene_source::MeshLight};
 use halfshade_scene::{
     camera::{MAX_SIDE, check_resolution},
     light::ProbeOptions,
@@ -21,27 +31,6 @@ pub struct Cli {
     /// The command.
     #[command(subcommand)]
     pub command: Command,
-}
-
-/// Arguments of every command.
-#[derive(Debug, Args)]
-pub struct GlobalArguments {
-    /// Keep baked data in this folder instead of the platform's cache (or set HALFSHADE_CACHE).
-    #[arg(long, global = true, value_name = "DIR")]
-    pub cache: Option<PathBuf>,
-    /// Use this many threads instead of all.
-    #[arg(long, global = true, value_name = "N", value_parser = thread_count)]
-    pub threads: Option<usize>,
-    /// Graphics device to use where one is asked for: auto, off, a number or a part of its name (or set HALFSHADE_GPU)
-    /// [default: auto].
-    #[arg(long, global = true, value_name = "CHOICE")]
-    pub gpu: Option<halfshade_gpu::Choice>,
-    /// Tell errors only: no notes, no progress.
-    #[arg(short, long, global = true, conflicts_with = "verbose")]
-    pub quiet: bool,
-    /// Tell each stage as it begins.
-    #[arg(short, long, global = true)]
-    pub verbose: bool,
 }
 
 /// The command.
@@ -364,51 +353,6 @@ pub enum FormatChoice {
     Text,
 }
 
-/// Kinds of files that people write.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum FileChoice {
-    /// A scene: meshes, light, a camera.
-    Scene,
-    /// An experiment: scenes, strategies, how exactly they are compared.
-    Experiment,
-}
-
-/// Arguments of `new`.
-#[derive(Debug, Args)]
-pub struct NewArguments {
-    /// Kind of the file.
-    #[arg(value_enum)]
-    pub kind: FileChoice,
-    /// The file, which must not be there yet [default: scene.toml or experiment.toml].
-    pub file: Option<PathBuf>,
-}
-
-/// Arguments of `schema`.
-#[derive(Debug, Args)]
-pub struct SchemaArguments {
-    /// Kind of the files.
-    #[arg(value_enum)]
-    pub kind: FileChoice,
-    /// Print tables in Markdown.
-    #[arg(long)]
-    pub markdown: bool,
-}
-
-/// Arguments of `completions`.
-#[derive(Debug, Args)]
-pub struct CompletionsArguments {
-    /// The shell.
-    #[arg(value_enum)]
-    pub shell: clap_complete::Shell,
-}
-
-/// Arguments of `man`.
-#[derive(Debug, Args)]
-pub struct ManArguments {
-    /// The command that it is about, if it isn't about all.
-    pub command: Option<String>,
-}
-
 fn resolution(text: &str) -> Result<[u32; 2], String> {
     let size = text
         .split_once(['x', 'X'])
@@ -417,21 +361,12 @@ fn resolution(text: &str) -> Result<[u32; 2], String> {
     check_resolution(size).map(|()| size)
 }
 
-fn thread_count(text: &str) -> Result<usize, String> {
-    count(text, MAX_THREADS)
-}
-
 fn sample_count(text: &str) -> Result<usize, String> {
     count(text, MAX_SAMPLES)
 }
 
 fn sphere_count(text: &str) -> Result<usize, String> {
     count(text, MAX_SPHERES)
-}
-
-fn count(text: &str, most: usize) -> Result<usize, String> {
-    let count = text.parse().ok().filter(|count| (1..=most).contains(count));
-    count.ok_or_else(|| format!("expected a whole number from 1 to {most}"))
 }
 
 fn stops(text: &str) -> Result<f32, String> {
@@ -458,7 +393,7 @@ fn color(text: &str) -> Result<[f32; 3], String> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{count::thread_count, *};
 
     #[test]
     fn the_arguments_are_consistent() {
