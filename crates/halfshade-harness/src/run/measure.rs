@@ -32,7 +32,7 @@ pub(super) fn measure(
     results.runs.extend(reference_rows(group));
     let (mut ready, compared) = score_all(setup, group, record)?;
     time(setup, group, &mut ready, record)?;
-    setup.parts.add(if setup.plan.timing.is_some() { group.rows.len() } else { 0 });
+    setup.steps.add(if setup.plan.timing.is_some() { group.rows.len() } else { 0 });
     compare_pairs(setup, group, compared, record, results)?;
     collect(group, record, results);
     Ok(())
@@ -55,7 +55,7 @@ fn score_all(
         let has_ended = known.is_some_and(|runs| runs.iter().any(|run| run.status != Status::Ok));
         let is_known = known.is_some();
         if has_ended || (is_known && view.is_none() && setup.missing_samples(record, key) == 0) {
-            setup.parts.add(1);
+            setup.steps.add(1);
             continue;
         }
         let scored = score(setup, group, place);
@@ -74,7 +74,7 @@ fn score_all(
         if plan.is_compared(place) {
             compared.insert(place, radiance);
         }
-        setup.parts.add(1);
+        setup.steps.add(1);
     }
     Ok((ready, compared))
 }

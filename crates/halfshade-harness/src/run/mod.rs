@@ -4,7 +4,6 @@ mod choice;
 mod difference;
 mod group;
 mod measure;
-mod parts;
 mod picture;
 mod plan;
 mod record;
@@ -13,6 +12,7 @@ mod resume;
 mod scenes;
 mod score;
 mod setup;
+mod steps;
 mod time;
 mod tools;
 
@@ -30,10 +30,10 @@ use crate::{
 use group::Group;
 use halfshade_scene::Scene;
 use measure::measure;
-use parts::Parts;
 use record::Record;
 use resume::{RunStart, header_of};
 use setup::Setup;
+use steps::Steps;
 
 /// Runs `experiment` and returns its results; with [`RunOptions::out`], `results.json` and its company lie there.
 pub fn run(experiment: &Experiment, tools: &Tools<'_>, options: &RunOptions) -> Result<Results, HarnessError> {
@@ -54,8 +54,8 @@ pub fn run(experiment: &Experiment, tools: &Tools<'_>, options: &RunOptions) -> 
             RunStart::Open(record) => *record,
         },
     };
-    let (parts, truth_cache) = (Parts::of(&plan, tools.progress), record.truth_cache());
-    let setup = Setup { tools, plan: &plan, threads, parts, truth_cache, is_kept: record.is_kept() };
+    let (steps, truth_cache) = (Steps::of(&plan, tools.progress), record.truth_cache());
+    let setup = Setup { tools, plan: &plan, threads, steps, truth_cache, is_kept: record.is_kept() };
     threads::with_threads(Some(threads), || {
         for (entry, planned) in experiment.scenes.iter().zip(&plan.scenes) {
             let scene = with_spheres(&setup, &planned.scene)?;
@@ -70,7 +70,7 @@ pub fn run(experiment: &Experiment, tools: &Tools<'_>, options: &RunOptions) -> 
                 for (kind_place, &kind) in planned.receivers.iter().enumerate() {
                     let pictured = place == 0 && kind_place == 0;
                     let group = Group::new(&setup, &scene, frame, kind, pictured)?;
-                    setup.parts.add(1);
+                    setup.steps.add(1);
                     measure(&setup, &group, &mut record, &mut results)?;
                 }
             }

@@ -1,17 +1,17 @@
-//! The parts of a run, and how many of them are done, for whoever waits for its end.
+//! The steps of a run, and how many of them are done, for whoever waits for its end.
 
 use super::plan::Plan;
 use halfshade_scene::Progress;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// A count of parts: of each group its references, the score of every variant, and its time.
-pub(super) struct Parts<'a> {
+/// A count of steps: of each group its references, the score of every variant, and its time.
+pub(super) struct Steps<'a> {
     progress: &'a dyn Progress,
     total: u64,
     done: AtomicU64,
 }
 
-impl<'a> Parts<'a> {
+impl<'a> Steps<'a> {
     /// Those of `plan`, none of them done.
     pub(super) fn of(plan: &Plan, progress: &'a dyn Progress) -> Self {
         let groups: usize = plan.scenes.iter().map(|scene| scene.frames.len() * scene.receivers.len()).sum();
