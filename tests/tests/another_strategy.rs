@@ -41,6 +41,7 @@ impl Strategy for FixedDirections {
             source: "",
             parameters: Settings::parameters(),
             presets: &[],
+            stages: &[],
             effects: Effects::of(&[Effect::EnvironmentLight, Effect::ColouredLight, Effect::Motion]),
         }
     }

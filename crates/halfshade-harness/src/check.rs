@@ -96,7 +96,7 @@ pub fn compare(now: &Results, baseline: &Results) -> Result<Comparison, HarnessE
     let measured: Vec<_> =
         both.filter_map(|(old, new)| Some(parts(old.error.as_ref()?, new.error.as_ref()?))).collect();
     let count = measured.iter().flatten().map(Part::figure_count).sum();
-    let sigmas = student_quantile(FALSE_ALARMS / usize::max(count, 1) as f64);
+    let sigmas = multiple_of_noise(count);
     let (mut rows, mut failures) = (Vec::new(), 0);
     for (old, new) in pairs {
         let Some(new) = new else {
@@ -154,6 +154,18 @@ pub fn compare(now: &Results, baseline: &Results) -> Result<Comparison, HarnessE
     };
     let moved = Table { title: "What moved".into(), columns: columns.to_vec(), rows, notes };
     Ok(Comparison { moved, compared: measured.len(), figures: count, failures })
+}
+
+/// Standard deviations of noise that pass, where `count` figures are compared.
+pub fn multiple_of_noise(count: usize) -> f64 {
+    student_quantile(FALSE_ALARMS / count.max(1) as f64)
+}
+
+/// Whether the RMSE of `after` is farther from that of `before` than the noise of both explains, by itself and for once.
+pub fn moved_beyond_noise(before: &Metrics, after: &Metrics, unshadowed_mean: f64) -> bool {
+    let noise = before.rmse_noise.hypot(after.rmse_noise);
+    let allowed = multiple_of_noise(1) * noise + TOLERANCE * before.rmse + ROUNDING * unshadowed_mean.abs();
+    (after.rmse - before.rmse).abs() > allowed
 }
 
 /// Advice about a baseline that doesn't serve.

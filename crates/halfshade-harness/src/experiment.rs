@@ -21,6 +21,7 @@ mod compose;
 mod fields;
 mod kinds;
 mod only;
+mod scene_sweep;
 
 pub use compose::Comparison;
 pub use kinds::{ReceiverKind, ReferenceKind};
@@ -30,6 +31,7 @@ use crate::threads::MAX_THREADS;
 use crate::{Device, HarnessError, Weighting};
 use halfshade_scene::{
     SceneError, SphereFit,
+    file::Change,
     keys::{self, Spanned},
     scene::MAX_BOUNCES,
     text,
@@ -84,6 +86,9 @@ pub struct Experiment {
     /// Whether strategies are asked for figures that only they have, such as the resolution that they chose.
     #[serde(default)]
     pub details: bool,
+    /// Whether errors are taken apart by the stages of each method: each is made exact in turn.
+    #[serde(default)]
+    pub stages: bool,
     /// SPEC of the strategy that verdicts compare all others with, such as `ray-traced:samples=16`. Without it, what errs least.
     pub baseline: Option<Spanned<String>>,
     /// Pairs of SPECs that are compared with each other too.
@@ -142,9 +147,20 @@ pub struct SceneEntry {
     pub spheres: Option<NonZeroUsize>,
     /// Aim of all sphere sets, if other than the scene's.
     pub fit: Option<SphereFit>,
+    /// Lists of values, of which every combination is a scene of its own: `{ spheres = [10, 20], "light.1.radiance" = [[1, 1, 1]] }`.
+    /// Keys are environment, still, bounces, resolution, spheres, fit, or paths into a scene file.
+    #[serde(default, deserialize_with = "scene_sweep::lists")]
+    #[schemars(schema_with = "scene_sweep::schema_of_lists")]
+    pub sweep: Vec<(String, Spanned<Vec<toml::Value>>)>,
     /// Published figures to stand beside ours.
     #[serde(default)]
     pub published: Vec<Published>,
+    /// Values of the scene file that are others.
+    #[serde(skip)]
+    pub changes: Vec<Change>,
+    /// Words by which the scene's name tells what else was swept.
+    #[serde(skip)]
+    pub told: Vec<String>,
 }
 
 /// Camera of pictures.

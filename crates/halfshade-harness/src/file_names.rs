@@ -23,6 +23,11 @@ pub fn plot(scene: &str, frame: usize, receivers: &str) -> String {
     format!("plots/{}", file_name(&format!("error-time-{scene}-{frame:04}-{receivers}")))
 }
 
+/// The plot of what stages contribute to errors: its path below the results, without an ending.
+pub fn plot_of_stages(scene: &str, frame: usize, receivers: &str) -> String {
+    format!("plots/{}", file_name(&format!("stages-{scene}-{frame:04}-{receivers}")))
+}
+
 /// The plot of a scene's errors and times over frames: its path below the results, without an ending.
 pub fn plot_over_frames(scene: &str, receivers: &str) -> String {
     format!("plots/{}", file_name(&format!("over-frames-{scene}-{receivers}")))

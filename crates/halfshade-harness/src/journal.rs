@@ -6,7 +6,7 @@
 //! anywhere else, lines that are gone or change places among it, is refused.
 
 use crate::{
-    HarnessError,
+    HarnessError, Part,
     image_metrics::Similarity,
     inputs,
     results::{PictureFiles, Run, Sample},
@@ -26,6 +26,9 @@ pub struct Header {
     pub schema: String,
     /// Hash of the experiment file.
     pub experiment_hash: String,
+    /// The part of the experiment.
+    #[serde(default)]
+    pub part: Part,
     /// Whether with `--quick`.
     pub quick: bool,
     /// Threads: times on other counts are other times.
@@ -42,13 +45,16 @@ impl Header {
     /// Why what `self` began can't go on as `now`, if it can't.
     pub fn difference(&self, now: &Self) -> Option<String> {
         // Without `..`: what is added must be compared.
-        let Self { schema, experiment_hash, quick, threads, revision, program, inputs } = self;
+        let Self { schema, experiment_hash, part, quick, threads, revision, program, inputs } = self;
         let is_known = !program.is_empty() && !now.program.is_empty();
         if *schema != now.schema || *revision != now.revision || (is_known && *program != now.program) {
             return Some("it was started by another version of the program".to_owned());
         }
         if *experiment_hash != now.experiment_hash {
             return Some("the experiment file has changed since".to_owned());
+        }
+        if *part != now.part {
+            return Some(format!("it was started for another part of the experiment, {part}"));
         }
         if *quick != now.quick {
             return Some("it was started with another --quick".to_owned());
@@ -241,6 +247,7 @@ mod tests {
         Header {
             schema: SCHEMA.into(),
             experiment_hash: "ab".into(),
+            part: Part::Whole,
             quick: false,
             threads: 2,
             revision: "1".into(),
@@ -316,6 +323,7 @@ mod tests {
         for (other, what) in [
             (Header { experiment_hash: "cd".into(), ..header() }, "experiment file has changed"),
             (Header { quick: true, ..header() }, "--quick"),
+            (Header { part: Part::Times, ..header() }, "another part of the experiment, the whole"),
             (Header { threads: 1, ..header() }, "threads, 2"),
             (Header { revision: "2".into(), ..header() }, "another version"),
             (Header { program: "fe".into(), ..header() }, "another version"),

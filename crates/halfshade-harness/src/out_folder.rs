@@ -129,6 +129,12 @@ impl OutFolder {
         self.written.place(&self.path, file).is_ok_and(|place| place == Place::Ours)
     }
 
+    /// BLAKE3 hash of `file`, if a run wrote it as it is.
+    pub fn hash(&self, file: &Path) -> Option<String> {
+        let bytes = fs::read(self.path.join(file)).ok().filter(|_| self.holds(file))?;
+        Some(blake3::hash(&bytes).to_hex().to_string())
+    }
+
     /// Writes `bytes` to `file`, relative to the folder, whole or not at all, and nothing that isn't ours is replaced.
     pub fn write(&mut self, file: &Path, bytes: &[u8]) -> Result<(), HarnessError> {
         let path = self.path.join(file);

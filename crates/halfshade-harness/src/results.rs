@@ -3,10 +3,11 @@
 //! Keys may be added, none is renamed; units stand in names. What was not measured is `null`.
 
 mod file;
+mod seal;
 mod validity;
 
 use crate::{
-    Device, Published, ReceiverKind, classes::ClassError, image_metrics::Similarity, metrics::Metrics,
+    Device, Part, Published, ReceiverKind, classes::ClassError, image_metrics::Similarity, metrics::Metrics,
     statistics::Spread, weights::Weighting,
 };
 use halfshade_scene::InputFile;
@@ -15,6 +16,9 @@ use std::collections::BTreeMap;
 
 /// The name and version of the schema.
 pub const SCHEMA: &str = "halfshade.results/1";
+
+/// Strategy of rows that compare a reference with the mesh's.
+pub const REFERENCE: &str = "reference";
 
 /// A whole `results.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -31,6 +35,9 @@ pub struct Results {
     /// versions, which didn't tell.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inputs: Option<Vec<InputFile>>,
+    /// The part of the experiment that these are, if they aren't all of it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub part: Option<PartFacts>,
     /// Whether it ran with `--quick`: fewer samples, not to be published.
     pub quick: bool,
     /// Version and commit of the program.
@@ -51,6 +58,19 @@ pub struct Results {
     pub differences: Vec<Difference>,
     /// The pictures, with paths relative to the results.
     pub pictures: Vec<PictureFiles>,
+}
+
+/// A part of an experiment, and what is needed to join it with the others.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PartFacts {
+    /// Which part.
+    pub part: Part,
+    /// Devices that it ran on; the order of runs depends on them.
+    pub devices: Vec<Device>,
+    /// BLAKE3 hashes of the pictures' files.
+    pub files: BTreeMap<String, String>,
+    /// BLAKE3 hash of the results as JSON, without this one.
+    pub blake3: String,
 }
 
 /// The machine that an experiment ran on.
@@ -128,6 +148,24 @@ pub struct Run {
     /// Figures that only this strategy has, if the experiment asks for them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub details: Vec<Detail>,
+    /// Its error taken apart by stages, if the experiment asks for it; of the runs against the mesh.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stages: Vec<StageError>,
+}
+
+/// The part of an error that a stage makes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StageError {
+    /// The stage.
+    pub stage: String,
+    /// Root mean square of what changes when it is made exact, after all stages before it, in radiance.
+    pub rms: f64,
+    /// Share of the mean squared error: the mean product of that change and the whole error over the mean square of this. Shares sum
+    /// to 1; a negative one hides errors of others.
+    pub share: f64,
+    /// Shares of the mean squared error of each class of receivers.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub classes: BTreeMap<String, f64>,
 }
 
 /// A list of figures under a name.
@@ -276,6 +314,13 @@ pub struct PictureFiles {
     pub exposure: f32,
 }
 
+impl PictureFiles {
+    /// Its files.
+    pub fn all(&self) -> impl Iterator<Item = &str> {
+        [&self.exr, &self.png].into_iter().chain(&self.error_png).map(String::as_str)
+    }
+}
+
 impl Run {
     /// Identity of the measured work: everything but the reference.
     pub fn key(&self) -> String {
@@ -287,6 +332,11 @@ impl Run {
     /// Strategy, receivers, scene and frame, for people.
     pub fn place(&self) -> String {
         format!("`{}` on {} of scene `{}`, frame {}", self.label, self.receivers, self.scene, self.frame)
+    }
+
+    /// Whether it is a reference that is compared with the mesh's, and no strategy.
+    pub fn is_reference(&self) -> bool {
+        self.strategy == REFERENCE
     }
 
     /// The reference, or nothing if it wasn't measured.

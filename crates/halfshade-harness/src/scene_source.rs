@@ -3,7 +3,8 @@
 use crate::HarnessError;
 use glam::Vec3;
 use halfshade_scene::{
-    Environment, Mesh, Scene, builtin, file,
+    Environment, Mesh, Scene, builtin,
+    file::{self, Change},
     light::{self, ProbeOptions, Projection, Sky, load_probe},
     mesh, text,
 };
@@ -26,6 +27,16 @@ pub struct MeshLight<'a> {
 
 /// The scene that `name` stands for. Files are relative to `folder`. `light` is for mesh files, and only for them.
 pub fn resolve(name: &str, folder: &Path, light: &MeshLight<'_>) -> Result<Scene, HarnessError> {
+    resolve_changed(name, folder, light, &[])
+}
+
+/// The same of a scene file in which some values are others.
+pub fn resolve_changed(
+    name: &str,
+    folder: &Path,
+    light: &MeshLight<'_>,
+    changes: &[Change],
+) -> Result<Scene, HarnessError> {
     let path = folder.join(name);
     let ending = ending(&path);
     let is_mesh = MESHES.contains(&ending.as_str());
@@ -36,11 +47,15 @@ pub fn resolve(name: &str, folder: &Path, light: &MeshLight<'_>) -> Result<Scene
         );
         return Err(HarnessError::input(problem));
     }
+    if let Some(Change { path, .. }) = changes.first().filter(|_| ending != "toml") {
+        let problem = format!("`{path}` is a path into a scene file, and scene `{name}` is none");
+        return Err(HarnessError::input(problem));
+    }
     if let Some(scene) = builtin::scene(name) {
         return Ok(scene);
     }
     if ending == "toml" {
-        return Ok(file::load(&path)?);
+        return Ok(file::load_changed(&path, changes)?);
     }
     if is_mesh {
         let (environment, mut notes) = environment(light, folder)?;

@@ -54,6 +54,12 @@ pub fn median_interval(samples: &[f64], coverage: f64) -> Option<[f64; 2]> {
     (below > 0).then(|| [sorted[below - 1], sorted[count - below]])
 }
 
+/// The n-th root of the product of n positive values; `None` without any.
+pub fn geometric_mean(values: &[f64]) -> Option<f64> {
+    let sum: f64 = values.iter().map(|value| value.ln()).sum();
+    (!values.is_empty()).then(|| (sum / values.len() as f64).exp())
+}
+
 /// The smallest value such that at least `fraction` of all are not above it (nearest rank); `sorted` rises.
 pub fn percentile(sorted: &[f64], fraction: f64) -> Option<f64> {
     let rank = (fraction * sorted.len() as f64).ceil() as usize;

@@ -2,7 +2,7 @@
 
 use halfshade_scene::{Frame, Progress, RadianceMut, Receivers, Scene};
 use halfshade_strategy::{
-    Baked, Effect, Effects, Footprint, Info, Params, Prepared, Preset, Strategy, StrategyError, settings,
+    Baked, Effect, Effects, Footprint, Info, Params, Prepared, Preset, Stage, Strategy, StrategyError, settings,
 };
 
 /// `dim` answers albedo times a factor, `black` answers nothing and cannot model local lights, `broken` answers NaN.
@@ -14,7 +14,7 @@ settings! {
     /// The settings of `dim`.
     struct Dimming {
         /// radiance by albedo
-        "factor" => factor: f32 = 1.0, in 0.0..=1.0;
+        "factor" => factor: f32 = 1.0, in 0.0..=1.0, levels ["0.25", "0.5", "1"];
     }
 }
 
@@ -34,6 +34,10 @@ impl Strategy for Toy {
             },
             presets: match self.0 {
                 "dim" => &[Preset { name: "half", summary: "half of it", settings: "factor=0.5" }],
+                _ => &[],
+            },
+            stages: match self.0 {
+                "dim" => &[Stage { name: "factor", exact: "factor=1" }],
                 _ => &[],
             },
             effects: Effects::of(&[Effect::EnvironmentLight, Effect::ColouredLight, Effect::Motion]),

@@ -1,6 +1,6 @@
 //! A strategy's account of itself, by which a SPEC like `sh-exp:as-published,bands=6` is read.
 
-use crate::{Effects, Parameter, Params, Preset, SpecError};
+use crate::{Effects, Parameter, Params, Preset, SpecError, Stage};
 
 /// A strategy's own account: name, source, parameters, effects.
 #[derive(Debug, Clone)]
@@ -15,6 +15,8 @@ pub struct Info {
     pub parameters: Vec<Parameter>,
     /// Values under one name: `as-published` for whoever has departed from its paper.
     pub presets: &'static [Preset],
+    /// Stages that are replaced one after the other to tell where its error comes from; what is left after the last is the rest.
+    pub stages: &'static [Stage],
     /// Effects that it can model.
     pub effects: Effects,
 }
@@ -41,6 +43,16 @@ impl Info {
             params.set(&self.parameters, preset.settings.split(','))?;
         }
         params.set(&self.parameters, parts().filter(|part| part.contains('=')))?;
+        Ok(params)
+    }
+
+    /// `params` with the stage made exact.
+    ///
+    /// # Errors
+    /// Settings that aren't this method's.
+    pub fn made_exact(&self, params: &Params, stage: &Stage) -> Result<Params, SpecError> {
+        let mut params = params.clone();
+        params.set(&self.parameters, stage.exact.split(','))?;
         Ok(params)
     }
 
@@ -83,7 +95,7 @@ mod tests {
 
     fn info(presets: &'static [Preset]) -> Info {
         let parameters = Settings::parameters();
-        Info { name: "toy", summary: "", source: "", parameters, presets, effects: Effects::default() }
+        Info { name: "toy", summary: "", source: "", parameters, presets, stages: &[], effects: Effects::default() }
     }
 
     fn read(settings: &str) -> Settings {

@@ -31,6 +31,6 @@ pub mod strategy;
 
 pub use effects::{Effect, Effects};
 pub use info::Info;
-pub use parameter::{Parameter, ParameterKind, Preset, Value, Word};
+pub use parameter::{Parameter, ParameterKind, Preset, Stage, Value, Word};
 pub use params::{Params, SpecError};
 pub use strategy::{Baked, Batching, Detail, Footprint, Prepared, Shading, Strategy, StrategyError};

@@ -20,10 +20,11 @@
 //!         /// which of two blockers is nearer
 //!         "order" => order: Order = Order::Center;
 //!         /// bands of visibility
-//!         "bands" => bands: usize = 4, in 1..=8;
+//!         "bands" => bands: usize = 4, in 1..=8, levels ["2", "4", "8"];
 //!     }
 //! }
 //!
+//! assert_eq!(Settings::parameters()[1].levels, ["2", "4", "8"]);
 //! assert_eq!(Settings::parameters()[0].kind.range(), "center | power");
 //! assert_eq!(Settings::default().bands, 4);
 //! ```
@@ -74,8 +75,8 @@ macro_rules! choice {
     };
 }
 
-/// A struct of everything that can be set: per field its key, type, default and range, with its docs as the one-line
-/// summary.
+/// A struct of everything that can be set: per field its key, type, default, range, and the levels at which it trades error for
+/// time, with its docs as the one-line summary.
 #[macro_export]
 macro_rules! settings {
     (
@@ -83,7 +84,7 @@ macro_rules! settings {
         $visibility:vis struct $name:ident {
             $(
                 $(#[doc = $summary:literal])+
-                $key:literal => $field:ident: $kind:ty = $default:expr $(, in $range:expr)?;
+                $key:literal => $field:ident: $kind:ty = $default:expr $(, in $range:expr)? $(, levels $levels:expr)?;
             )*
         }
     ) => {
@@ -109,6 +110,8 @@ macro_rules! settings {
                         $default,
                         None $(.or(Some($range)))?,
                     ),
+                    // The first of what is given and nothing.
+                    levels: [$( &$levels as &'static [&'static str], )? &[]][0],
                 }, )* ]
             }
 

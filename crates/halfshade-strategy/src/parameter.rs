@@ -11,6 +11,9 @@ pub struct Parameter {
     pub summary: &'static str,
     /// Type, default and range.
     pub kind: ParameterKind,
+    /// Values that trade error for time, from the cheapest to the most exact, as a SPEC sets them: what a search tries. Empty of
+    /// parameters that aren't there for that.
+    pub levels: &'static [&'static str],
 }
 
 /// Values of some parameters under one name, such as those of the published method.
@@ -22,6 +25,15 @@ pub struct Preset {
     pub summary: &'static str,
     /// The values, as a SPEC sets them: `key=value,key=value`.
     pub settings: &'static str,
+}
+
+/// A stage of a method at which it errs, and the settings with which it doesn't, or as little as the method allows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Stage {
+    /// Its name: `bands`, `hierarchy`.
+    pub name: &'static str,
+    /// Settings of its exact counterpart: `key=value,key=value`.
+    pub exact: &'static str,
 }
 
 /// One of the words that a parameter may be set to.

@@ -12,7 +12,7 @@ pub use shell::{CompletionsArguments, ManArguments};
 use crate::revision::REVISION;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use count::count;
-use halfshade_harness::{Device, scene_source::MeshLight};
+use halfshade_harness::{Device, part::ShardChoice, scene_source::MeshLight};
 use halfshade_scene::{
     camera::{MAX_SIDE, check_resolution},
     light::ProbeOptions,
@@ -40,6 +40,10 @@ pub enum Command {
     Run(RunArguments),
     /// Compare strategies on scenes without an experiment file.
     Compare(CompareArguments),
+    /// Join the parts of an experiment that were run apart, by `run --shard` and `run --times`.
+    Merge(MergeArguments),
+    /// Search strategies and their parameters for the fastest within an error, or the most exact within a frame's time.
+    Tune(TuneArguments),
     /// Draw one picture of a scene with one strategy.
     Render(RenderArguments),
     /// Trace the truth alone, with its standard error as a layer.
@@ -50,7 +54,7 @@ pub enum Command {
     List(ListArguments),
     /// Compare an experiment's errors with a baseline: exit status 1 where one grew beyond noise.
     Check(CheckArguments),
-    /// Write tables and plots from stored results, with the pictures that lie beside them.
+    /// Write tables and plots from stored results, with the pictures that lie beside them; or several results side by side.
     Report(ReportArguments),
     /// Write a commented scene or experiment file to begin with.
     New(NewArguments),
@@ -80,9 +84,27 @@ pub struct RunArguments {
     /// strategy.
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub only: Vec<String>,
+    /// Measure errors of this share of the runs only: NUMBER/COUNT; `auto` where Slurm tells both, `auto/COUNT` where HyperQueue
+    /// or GNU parallel tell the number. `merge` joins them.
+    #[arg(long, value_name = "SHARD", conflicts_with = "times")]
+    pub shard: Option<ShardChoice>,
+    /// Measure times only, which `merge` joins with the errors of shards: on a machine that does nothing else.
+    #[arg(long)]
+    pub times: bool,
     /// Run on these devices instead of the experiment's: cpu, gpu, or a part of a graphics device's name.
     #[arg(long, value_name = "DEVICE", value_delimiter = ',')]
     pub device: Vec<DeviceArgument>,
+}
+
+/// Arguments of `merge`.
+#[derive(Debug, Args)]
+pub struct MergeArguments {
+    /// Folders of all shards, and of the times, if there are any.
+    #[arg(required = true, value_name = "PART")]
+    pub parts: Vec<PathBuf>,
+    /// Where results go [default: out/NAME].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
 }
 
 /// Arguments of `compare`.
@@ -127,6 +149,47 @@ pub struct CompareArguments {
     /// Go on with a run that was interrupted.
     #[arg(long)]
     pub resume: bool,
+    /// Run on these devices: cpu, gpu, or a part of a graphics device's name [default: cpu].
+    #[arg(long, value_name = "DEVICE", value_delimiter = ',')]
+    pub device: Vec<DeviceArgument>,
+}
+
+/// Arguments of `tune`.
+#[derive(Debug, Args)]
+#[command(group = clap::ArgGroup::new("bound").required(true).multiple(true).args(["max_error", "frame_ms"]))]
+pub struct TuneArguments {
+    /// A scene file, a built-in name, or a mesh file (which stands on a ground plane).
+    pub scene: String,
+    /// Largest relative RMSE, such as 0.03: the fastest within it is searched.
+    #[arg(long, value_name = "ERROR", value_parser = positive)]
+    pub max_error: Option<f64>,
+    /// Longest frame in milliseconds; without --max-error the most exact within it is searched.
+    #[arg(long, value_name = "MS", value_parser = positive)]
+    pub frame_ms: Option<f64>,
+    /// Search these strategies only.
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    pub only: Vec<String>,
+    /// Most memory of baked data in MiB.
+    #[arg(long, value_name = "MIB", value_parser = positive)]
+    pub memory_mb: Option<f64>,
+    /// Light of a mesh file: `sky`, `constant`, or an image (.hdr, .exr) [default: sky].
+    #[arg(long, value_name = "LIGHT")]
+    pub env: Option<String>,
+    /// Frame of the animation.
+    #[arg(long, default_value_t = 0)]
+    pub frame: usize,
+    /// Hold the scene still at that frame, for methods that need one that doesn't move.
+    #[arg(long)]
+    pub still: bool,
+    /// Score the pixels of the camera's picture, or the vertices.
+    #[arg(long, value_enum, default_value_t = ReceiverChoice::Pixels)]
+    pub receivers: ReceiverChoice,
+    /// Samples of the truth per receiver.
+    #[arg(long, default_value_t = 256, value_parser = sample_count)]
+    pub samples: usize,
+    /// Where results go [default: out/tune-SCENE].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
     /// Run on these devices: cpu, gpu, or a part of a graphics device's name [default: cpu].
     #[arg(long, value_name = "DEVICE", value_delimiter = ',')]
     pub device: Vec<DeviceArgument>,
@@ -328,8 +391,9 @@ pub struct CheckArguments {
 /// Arguments of `report`.
 #[derive(Debug, Args)]
 pub struct ReportArguments {
-    /// The folder of the results.
-    pub folder: PathBuf,
+    /// The folder of the results; of several, what moved between the first and the others.
+    #[arg(required = true, value_name = "FOLDER")]
+    pub folders: Vec<PathBuf>,
     /// In which format.
     #[arg(long, value_enum, default_value_t = FormatChoice::Md)]
     pub format: FormatChoice,
@@ -374,6 +438,11 @@ fn stops(text: &str) -> Result<f32, String> {
     const LARGEST: f32 = 64.0;
     let stops = text.parse().ok().filter(|stops| (-LARGEST..=LARGEST).contains(stops));
     stops.ok_or_else(|| format!("expected a number from -{LARGEST} to {LARGEST}"))
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
+    number.ok_or_else(|| "expected a number above 0".into())
 }
 
 fn largest_radiance(text: &str) -> Result<f32, String> {

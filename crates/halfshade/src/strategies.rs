@@ -33,4 +33,31 @@ mod tests {
             }
         }
     }
+
+    /// Levels are values of their parameter, none twice, the default among them.
+    #[test]
+    fn every_level_can_be_set() {
+        for info in strategies(&Cache::disabled()).iter().map(|strategy| strategy.info()) {
+            for parameter in info.parameters.iter().filter(|parameter| !parameter.levels.is_empty()) {
+                let set = |level: &&str| info.parse(&format!("{}={level}", parameter.name));
+                let mut values = Vec::new();
+                for level in parameter.levels {
+                    let params = set(level).unwrap_or_else(|error| panic!("{}: {error}", info.name));
+                    assert!(!values.contains(&params), "{}: {}={level} twice", info.name, parameter.name);
+                    values.push(params);
+                }
+                assert!(values.contains(&info.defaults()), "{}: the default {} is no level", info.name, parameter.name);
+            }
+        }
+    }
+
+    #[test]
+    fn every_stage_can_be_made_exact() {
+        for info in strategies(&Cache::disabled()).iter().map(|strategy| strategy.info()) {
+            for stage in info.stages {
+                let exact = info.made_exact(&info.defaults(), stage);
+                assert!(exact.is_ok(), "{}: {}: {:?}", info.name, stage.name, exact.err());
+            }
+        }
+    }
 }

@@ -10,3 +10,4 @@ mod readme;
 mod runs;
 mod shared_assets;
 mod spheres_where_needed;
+mod sweeps;

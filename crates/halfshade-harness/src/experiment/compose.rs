@@ -8,6 +8,8 @@ use toml::{Table, Value};
 /// Settings of a comparison that was asked for without a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
+    /// What it is made for: `compare`, `tune`. With the scenes, the name of its folder.
+    pub purpose: &'static str,
     /// Built-in names, scene files and mesh files, relative to the current folder.
     pub scenes: Vec<String>,
     /// Light of mesh files.
@@ -35,7 +37,7 @@ impl Comparison {
         let number = |count: usize| Value::Integer(i64::try_from(count).unwrap_or(i64::MAX));
         let mut text = Table::from_iter([
             ("name".to_owned(), word(&self.name())),
-            ("claim".to_owned(), word("No claim: a comparison.")),
+            ("claim".to_owned(), word("No claim: strategies beside each other.")),
             ("receivers".to_owned(), Value::Array(vec![word(&self.receivers.to_string())])),
         ]);
         if !self.still {
@@ -69,13 +71,13 @@ impl Comparison {
         Experiment::parse(&self.text(), Path::new(""))
     }
 
-    /// `compare-` and the scenes, as the name of a folder.
-    fn name(&self) -> String {
+    /// Its purpose and the scenes, as the name of a folder.
+    pub fn name(&self) -> String {
         let stems = self.scenes.iter().map(|scene| {
             let stem = Path::new(scene).file_stem().unwrap_or_default().to_string_lossy().into_owned();
             stem.replace(|c: char| !(c.is_ascii_alphanumeric() || c == '-' || c == '_'), "_")
         });
-        let name = format!("compare-{}", stems.collect::<Vec<_>>().join("-"));
+        let name = format!("{}-{}", self.purpose, stems.collect::<Vec<_>>().join("-"));
         name.chars().take(MOST_LETTERS).collect()
     }
 }
@@ -101,6 +103,7 @@ mod tests {
     #[test]
     fn a_comparison_is_an_experiment_that_can_be_kept() {
         let comparison = Comparison {
+            purpose: "compare",
             scenes: vec!["vases".into(), "a b/bunny \"x\".obj".into()],
             environment: None,
             strategies: vec!["dim".into(), "dim:faint,factor=0.5".into()],

@@ -11,6 +11,7 @@ use super::{
     page::{Block, Page, Picture},
     plot::Plot,
     scene_table::scene_table,
+    stages::stages,
     verdict::verdicts,
 };
 use crate::Results;
@@ -42,7 +43,8 @@ pub fn page(results: &Results) -> Page {
         blocks.push(Block::Heading(group.to_string()));
         blocks.push(Block::Table(scene_table(results, group)));
         blocks.extend(plot.map(Block::Plot));
-        let further = [error_by_class, error_split, differences, details];
+        let further = [error_by_class, error_split, stages, differences, details];
+        blocks.extend(Plot::stacked(results, group).map(Block::Plot));
         blocks.extend(further.iter().filter_map(|table| table(results, group)).map(Block::Table));
         blocks.push(Block::Pictures(pictures(results, group)));
     }

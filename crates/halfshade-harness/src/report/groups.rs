@@ -50,7 +50,7 @@ impl Group {
     pub(super) fn strategies<'a>(&'a self, results: &'a Results) -> Vec<&'a Run> {
         let reference = self.first_reference(results);
         self.runs(results)
-            .filter(|run| run.strategy != "reference" && (run.reference() == reference || run.status != Status::Ok))
+            .filter(|run| !run.is_reference() && (run.reference() == reference || run.status != Status::Ok))
             .collect()
     }
 }

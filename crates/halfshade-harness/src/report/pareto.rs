@@ -2,7 +2,7 @@
 
 /// Places on the front of `points` (time, error), in the order of time: no other is at least as fast and as exact. Of equal points
 /// the first.
-pub(super) fn front(points: &[(f64, f64)]) -> Vec<usize> {
+pub fn front(points: &[(f64, f64)]) -> Vec<usize> {
     let mut places: Vec<usize> = (0..points.len()).collect();
     places.sort_by(|&a, &b| points[a].0.total_cmp(&points[b].0).then(points[a].1.total_cmp(&points[b].1)));
     let mut best = f64::INFINITY;

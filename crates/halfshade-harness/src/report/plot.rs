@@ -13,18 +13,24 @@ mod labels;
 mod legend;
 mod series;
 mod spots;
+mod stacked;
 #[cfg(test)]
 mod stored;
 mod style;
 mod ticks;
 
-use super::groups::Group;
-use crate::{file_names, image_io::png_bytes, results::Results};
+use super::{groups::Group, stages::taken_apart};
+use crate::{
+    file_names,
+    image_io::png_bytes,
+    results::{Results, Run},
+};
 use embedded::with_font;
 use legend::Legend;
 use plotters::{coord::Shift, prelude::*};
 use series::{Kinds, Series};
 use spots::{Spot, with_spots};
+use stacked::Bar;
 use style::{SIZE, register_font};
 
 /// Frames of a scene from which on errors and times are drawn over them.
@@ -39,6 +45,7 @@ pub struct Plot {
     pub title: String,
     kind: Kind,
     series: Vec<Series>,
+    bars: Vec<Bar>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,6 +54,8 @@ enum Kind {
     ErrorAgainstTime { threads: usize },
     /// Every series is one variant.
     OverFrames,
+    /// A bar for every variant.
+    Stacked,
 }
 
 impl Plot {
@@ -60,6 +69,7 @@ impl Plot {
                 title: format!("{}: error against time", group.place()),
                 kind: Kind::ErrorAgainstTime { threads: results.machine.threads },
                 series,
+                bars: Vec::new(),
             })
         };
         groups.iter().map(plot).collect()
@@ -83,14 +93,40 @@ impl Plot {
             let file = file_names::plot_over_frames(&group.scene, &group.receivers);
             plots.push((
                 name,
-                Self { file, title: format!("{}: over frames", group.scene), kind: Kind::OverFrames, series },
+                Self {
+                    file,
+                    title: format!("{}: over frames", group.scene),
+                    kind: Kind::OverFrames,
+                    series,
+                    bars: Vec::new(),
+                },
             ));
         }
         plots
     }
 
+    /// What stages contribute to the errors of a group, if any error was taken apart.
+    pub fn stacked(results: &Results, group: &Group) -> Option<Self> {
+        let bar = |run: &Run| {
+            let error = run.error.as_ref()?.metrics.rel_rmse?;
+            let parts = run.stages.iter().map(|stage| (stage.stage.clone(), stage.share * error)).collect();
+            Some(Bar { label: run.label.clone(), parts })
+        };
+        let bars: Vec<Bar> = taken_apart(results, group).filter_map(bar).collect();
+        (!bars.is_empty()).then(|| Self {
+            file: file_names::plot_of_stages(&group.scene, group.frame, &group.receivers),
+            title: format!("{}: where the error comes from", group.place()),
+            kind: Kind::Stacked,
+            series: Vec::new(),
+            bars,
+        })
+    }
+
     /// Width and height in pixels.
     fn size(&self, scale: u32) -> (u32, u32) {
+        if self.kind == Kind::Stacked {
+            return (SIZE.0 * scale, stacked::height(&self.bars) * scale);
+        }
         let legend = Legend::new(&self.series, self.kind != Kind::OverFrames);
         (SIZE.0 * scale, legend.height() * scale)
     }
@@ -100,6 +136,7 @@ impl Plot {
         match self.kind {
             Kind::ErrorAgainstTime { threads } => chart::draw(area, scale, &self.title, threads, &self.series),
             Kind::OverFrames => frames::draw(area, scale, &self.title, &self.series),
+            Kind::Stacked => stacked::draw(area, scale, &self.title, &self.bars),
         }
     }
 
@@ -135,6 +172,18 @@ impl Plot {
 mod tests {
     use super::*;
     use crate::{report::groups::tests::only, results::tests::example};
+
+    #[test]
+    fn stages_are_stacked_and_tell_their_contributions() {
+        let plot = Plot::stacked(&crate::report::stages::tests::example_apart(), &only()).unwrap();
+        let svg = plot.svg().unwrap();
+        assert!(svg.contains("<title>fast:bands=4: bands 25 %</title>"), "{svg}");
+        assert!(
+            svg.contains("<title>fast:bands=4: rest -5.0 %</title>")
+                && svg.contains("contribution to the relative RMSE")
+        );
+        assert!(Plot::stacked(&example(), &only()).is_none());
+    }
 
     #[test]
     fn both_formats_are_drawn_whole() {

@@ -3,7 +3,7 @@
 use super::significant::significant;
 
 /// Seconds with `digits` significant digits, in the unit that leaves 1 to 999 before the point.
-pub(super) fn seconds(secs: f64, digits: usize) -> String {
+pub fn seconds(secs: f64, digits: usize) -> String {
     let (factor, unit) = unit_of(secs);
     format!("{} {unit}", significant(secs * factor, digits))
 }
@@ -24,12 +24,12 @@ fn unit_of(secs: f64) -> (f64, &'static str) {
 }
 
 /// A share as per cent.
-pub(super) fn percent(share: f64) -> String {
+pub fn percent(share: f64) -> String {
     format!("{} %", significant(100.0 * share, 2))
 }
 
 /// Bytes.
-pub(super) fn bytes(count: usize) -> String {
+pub fn bytes(count: usize) -> String {
     match count {
         0..1024 => format!("{count} B"),
         1024..1_048_576 => format!("{} KiB", significant(count as f64 / 1024.0, 3)),

@@ -6,7 +6,7 @@ use super::{
     html::Read,
 };
 use crate::{HarnessError, Results};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Writes bytes to a path below the results.
 pub type Write<'a> = dyn FnMut(&Path, &[u8]) -> Result<(), HarnessError> + 'a;
@@ -19,13 +19,25 @@ pub fn report(results: &Results, format: Format, read: &Read<'_>) -> String {
     }
 }
 
-/// Writes `results.json`, `results.csv`, the plots, `report.md`, and `report.html` with the pictures that `read` finds.
+/// Writes `results.json`, `results.csv`, the plots, `report.md`, and `report.html` with the pictures that `read` finds. A part of
+/// an experiment has nothing to show before it is joined with the others: only its results are written.
 pub fn write_all(results: &Results, write: &mut Write<'_>, read: &Read<'_>) -> Result<(), HarnessError> {
     write(Path::new("results.json"), results.to_json()?.as_bytes())?;
+    if results.part.is_some() {
+        return Ok(());
+    }
     write(Path::new("results.csv"), report(results, Format::Csv, read).as_bytes())?;
     write_plots(results, write)?;
     write(Path::new("report.html"), report(results, Format::Html, read).as_bytes())?;
     write(Path::new("report.md"), report(results, Format::Markdown, read).as_bytes())
+}
+
+/// Files that [`write_all`] writes.
+pub fn files_written(results: &Results) -> Vec<PathBuf> {
+    let pages = ["results.json", "results.csv", "report.html", "report.md"].map(PathBuf::from);
+    let page = page(results);
+    let plots = page.plots().flat_map(|plot| ["svg", "png"].map(|it| Path::new(&plot.file).with_added_extension(it)));
+    pages.into_iter().chain(plots).collect()
 }
 
 /// Draws the plots of `results`, into `plots`.

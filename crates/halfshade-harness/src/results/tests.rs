@@ -43,6 +43,7 @@ pub(crate) fn example() -> Results {
         time: Some(TimeFigures::of(0.25, 2, vec![Sample::new(0.0, 1e-3 * ms); 3])),
         memory: Some(Memory { bytes: 2048, parts: BTreeMap::from([("tables".into(), 2048)]) }),
         details: vec![Detail { name: "resolution by shell".into(), values: vec![8.0, 64.0, 0.015625] }],
+        stages: Vec::new(),
     };
     let mut blind = run("blind", "blind", 0.0, 1.0);
     blind.status = Status::Unsupported;
@@ -54,6 +55,7 @@ pub(crate) fn example() -> Results {
         claim: "fast is not exact".into(),
         experiment_hash: "00".into(),
         inputs: Some(vec![InputFile { path: "../scene.toml".into(), blake3: "01".into() }]),
+        part: None,
         quick: false,
         revision: "0.1.0".into(),
         machine: Machine { cpu: "an abacus".into(), threads: 2, gpu: None, os: "none".into() },

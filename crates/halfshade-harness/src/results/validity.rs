@@ -1,6 +1,6 @@
 //! Numbers that no measurement gives: those that are not finite or contradict each other.
 
-use super::{PictureFiles, Results, Run, Status};
+use super::{PictureFiles, Results, Run, StageError, Status};
 use crate::{image_metrics::Similarity, metrics::Metrics};
 
 impl Run {
@@ -37,7 +37,12 @@ impl Run {
             samples.chain(spreads).chain(of_frame)
         });
         let details = self.details.iter().flat_map(|detail| &detail.values).map(|value| ("details", *value));
-        let mut figures = error.chain(truth).chain(time).chain(details);
+        let of_stage = |stage: &StageError| {
+            let classes = stage.classes.values().copied().collect::<Vec<_>>();
+            [stage.rms, stage.share].into_iter().chain(classes).map(|value| ("stages", value)).collect::<Vec<_>>()
+        };
+        let stages = self.stages.iter().flat_map(of_stage);
+        let mut figures = error.chain(truth).chain(time).chain(details).chain(stages);
         figures.find(|(_, value)| !value.is_finite()).map(|(name, _)| name)
     }
 

@@ -1,6 +1,6 @@
 //! A group of measurements: all strategies on one frame and kind of receivers.
 
-use super::{references::References, setup::Setup};
+use super::{plan::PlannedGroup, references::References, setup::Setup};
 use crate::{
     HarnessError, Picture, ReceiverKind, Variant,
     projection::Projection,
@@ -10,7 +10,7 @@ use crate::{
 use glam::Vec3;
 use halfshade_scene::{Frame, RadianceBuffer, ReceiverBuffer, Scene};
 use halfshade_truth::Tracer;
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, ops::Range};
 
 /// One frame, its receivers, what they are compared with, and a row to fill in for each variant.
 pub(super) struct Group<'a> {
@@ -22,6 +22,8 @@ pub(super) struct Group<'a> {
     pub(super) view: Option<View>,
     /// One for each variant of the plan, in its order.
     pub(super) rows: Vec<Row>,
+    /// Places of those that are run in this part.
+    pub(super) own: Range<usize>,
 }
 
 /// Projection of receivers to pictures.
@@ -48,14 +50,9 @@ pub(super) struct Row {
 }
 
 impl<'a> Group<'a> {
-    /// Places the receivers and traces the references; `pictured` if pictures are drawn of this frame.
-    pub(super) fn new(
-        setup: &Setup<'_>,
-        scene: &'a Scene,
-        index: usize,
-        kind: ReceiverKind,
-        pictured: bool,
-    ) -> Result<Self, HarnessError> {
+    /// Places the receivers and traces the references.
+    pub(super) fn new(setup: &Setup<'_>, scene: &'a Scene, planned: PlannedGroup) -> Result<Self, HarnessError> {
+        let PlannedGroup { frame: index, kind, pictured, own, .. } = planned;
         let frame = scene.frame(index);
         let camera = scene.camera;
         let pictured = pictured && setup.is_kept && !setup.plan.pictured.is_empty();
@@ -94,7 +91,17 @@ impl<'a> Group<'a> {
             Row { key: blank.key(), blank }
         };
         let rows = setup.plan.variants.iter().map(row).collect();
-        Ok(Self { frame, kind, receivers, references, view, rows })
+        Ok(Self { frame, kind, receivers, references, view, rows, own })
+    }
+
+    /// Whether its first run is one of this part, and with it what comes before all runs.
+    pub(super) fn has_first(&self) -> bool {
+        self.own.start == 0
+    }
+
+    /// Whether its last run is one of this part, and with it what comes after all runs.
+    pub(super) fn has_last(&self) -> bool {
+        self.own.end == self.rows.len()
     }
 }
 
@@ -119,5 +126,6 @@ fn blank(scene: &Scene, frame: usize, kind: ReceiverKind, receiver_count: usize,
         time: None,
         memory: None,
         details: Vec::new(),
+        stages: Vec::new(),
     }
 }

@@ -26,14 +26,18 @@ pub(super) fn measure(
     record: &mut Record,
     results: &mut Results,
 ) -> Result<(), HarnessError> {
-    if let Some(view) = &group.view {
-        picture_truth(group, view, record)?;
+    if group.has_first() {
+        if let Some(view) = &group.view {
+            picture_truth(group, view, record)?;
+        }
+        results.runs.extend(reference_rows(group));
     }
-    results.runs.extend(reference_rows(group));
     let (mut ready, compared) = score_all(setup, group, record)?;
     time(setup, group, &mut ready, record)?;
-    setup.steps.add(if setup.plan.timing.is_some() { group.rows.len() } else { 0 });
-    compare_pairs(setup, group, compared, record, results)?;
+    setup.steps.add(if setup.plan.timing.is_some() { group.own.len() } else { 0 });
+    if group.has_last() {
+        compare_pairs(setup, group, compared, record, results)?;
+    }
     collect(group, record, results);
     Ok(())
 }
@@ -45,8 +49,8 @@ fn score_all(
     record: &mut Record,
 ) -> Result<(Vec<Ready>, Compared), HarnessError> {
     let (plan, mut ready, mut compared) = (setup.plan, Vec::new(), Compared::new());
-    for (place, row) in group.rows.iter().enumerate() {
-        let key = &row.key;
+    for place in group.own.clone() {
+        let key = &group.rows[place].key;
         let view = group
             .view
             .as_ref()
@@ -91,7 +95,7 @@ fn compare_pairs(
     let is_drawn = record.picture(&difference_key(group)).is_some();
     let drawn = group.view.as_ref().zip(plan.difference).filter(|_| !is_drawn);
     for place in plan.pairs.iter().copied().chain(drawn.map(|(_, pair)| pair)).flatten() {
-        // A resumed run shades once more what it has scored before.
+        // A resumed run shades once more what it has scored before, and a shard what another one scores.
         let shade = || score(setup, group, place).shaded.map(|shaded| shaded.radiance);
         compared.entry(place).or_insert_with(shade);
     }
@@ -116,7 +120,7 @@ fn collect(group: &Group<'_>, record: &Record, results: &mut Results) {
     if group.view.is_some() {
         results.pictures.extend(record.truth_picture(&group.frame.scene.name, group.frame.index).cloned());
     }
-    for row in &group.rows {
+    for row in &group.rows[group.own.clone()] {
         let (samples, picture) = (record.samples(&row.key), record.picture(&row.key));
         let complete = |mut run: Run| {
             if let Some(time) = run.time.as_mut().filter(|_| !samples.is_empty()) {

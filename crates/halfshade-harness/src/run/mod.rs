@@ -12,7 +12,7 @@ mod resume;
 mod scenes;
 mod score;
 mod setup;
-mod steps;
+mod stages;
 mod time;
 mod tools;
 
@@ -21,10 +21,10 @@ pub use scenes::PlannedScene;
 pub use tools::{RunOptions, Tools};
 
 use crate::{
-    Experiment, HarnessError, Results, inputs,
+    Experiment, HarnessError, Part, Results, inputs,
     journal::Header,
     machine,
-    results::{SCHEMA, SceneFacts},
+    results::{PartFacts, SCHEMA, SceneFacts},
     threads,
 };
 use group::Group;
@@ -33,7 +33,7 @@ use measure::measure;
 use record::Record;
 use resume::{RunStart, header_of};
 use setup::Setup;
-use steps::Steps;
+use std::collections::BTreeMap;
 
 /// Runs `experiment` and returns its results; with [`RunOptions::out`], `results.json` and its company lie there.
 pub fn run(experiment: &Experiment, tools: &Tools<'_>, options: &RunOptions) -> Result<Results, HarnessError> {
@@ -57,26 +57,26 @@ pub fn run(experiment: &Experiment, tools: &Tools<'_>, options: &RunOptions) -> 
     let (steps, truth_cache) = (Steps::of(&plan, tools.progress), record.truth_cache());
     let setup = Setup { tools, plan: &plan, threads, steps, truth_cache, is_kept: record.is_kept() };
     threads::with_threads(Some(threads), || {
-        for (entry, planned) in experiment.scenes.iter().zip(&plan.scenes) {
-            let scene = with_spheres(&setup, &planned.scene)?;
+        let groups = plan.groups();
+        for groups in groups.chunk_by(|a, b| a.scene == b.scene) {
+            let place = groups[0].scene;
+            let scene = with_spheres(&setup, &plan.scenes[place].scene)?;
             results.scenes.push(SceneFacts {
                 name: scene.name.clone(),
                 vertices: scene.vertex_count(),
                 triangles: scene.objects.iter().map(|object| object.mesh.triangles.len()).sum(),
                 spheres: scene.built_sphere_count(),
-                published: entry.published.clone(),
+                published: plan.scenes[place].published.clone(),
             });
-            for (place, &frame) in planned.frames.iter().enumerate() {
-                for (kind_place, &kind) in planned.receivers.iter().enumerate() {
-                    let pictured = place == 0 && kind_place == 0;
-                    let group = Group::new(&setup, &scene, frame, kind, pictured)?;
-                    setup.steps.add(1);
-                    measure(&setup, &group, &mut record, &mut results)?;
-                }
+            for planned in groups {
+                let group = Group::new(&setup, &scene, planned.clone())?;
+                setup.steps.add(1);
+                measure(&setup, &group, &mut record, &mut results)?;
             }
         }
         Ok::<(), HarnessError>(())
     })??;
+    record.seal(&mut results)?;
     record.finish(&results)?;
     Ok(results)
 }
@@ -109,6 +109,7 @@ fn unmeasured(
         experiment_hash: experiment.hash(),
         quick: options.quick,
         inputs: Some(plan.inputs.clone()),
+        part: part_facts(plan),
         revision: tools.revision.to_owned(),
         machine: machine::describe(threads, tools.graphics.filter(|_| plan.uses_graphics())),
         strategies: tools.strategies.iter().map(|strategy| strategy.info().name.to_owned()).collect(),
@@ -118,6 +119,16 @@ fn unmeasured(
         differences: Vec::new(),
         pictures: Vec::new(),
     }
+}
+
+/// The plan's part, if it isn't the whole; its files and hash are known at the end.
+fn part_facts(plan: &Plan) -> Option<PartFacts> {
+    (plan.part != Part::Whole).then(|| PartFacts {
+        part: plan.part,
+        devices: plan.devices.clone(),
+        files: BTreeMap::new(),
+        blake3: String::new(),
+    })
 }
 
 /// A copy of `scene` with its sphere sets, if the plan reads any.

@@ -6,13 +6,14 @@ use super::{
     tools::RunOptions,
 };
 use crate::{
-    Experiment, HarnessError, ReferenceKind, Variant, Weighting, experiment::TimingSettings, file_names,
-    reference::Accuracy, report::LEAST_FRAMES, variant,
+    Device, Experiment, HarnessError, Part, ReceiverKind, ReferenceKind, Variant, Weighting,
+    experiment::TimingSettings, file_names, reference::Accuracy, report::LEAST_FRAMES, variant,
 };
 use halfshade_scene::InputFile;
 use halfshade_strategy::Strategy;
 use std::{
     num::{NonZeroU32, NonZeroUsize},
+    ops::Range,
     path::PathBuf,
 };
 
@@ -43,6 +44,8 @@ pub struct Plan {
     pub classes: bool,
     /// Whether strategies are asked for figures that only they have.
     pub details: bool,
+    /// Whether errors are taken apart by stages.
+    pub stages: bool,
     /// Places in `variants` of pairs that are compared with each other.
     pub pairs: Vec<[usize; 2]>,
     /// Place in `variants` of the one that all others are compared with in verdicts.
@@ -57,6 +60,23 @@ pub struct Plan {
     pub difference: Option<[usize; 2]>,
     /// The files that the scenes were read from, relative to the experiment.
     pub inputs: Vec<InputFile>,
+    /// Devices, in the order of the variants.
+    pub devices: Vec<Device>,
+    /// The part of it that is carried out.
+    pub part: Part,
+}
+
+/// Runs of one frame of a scene on one kind of receivers.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct PlannedGroup {
+    /// Place of the scene.
+    pub(super) scene: usize,
+    pub(super) frame: usize,
+    pub(super) kind: ReceiverKind,
+    /// Whether pictures are drawn of it: of the first of each scene.
+    pub(super) pictured: bool,
+    /// Places of the variants that are run in this part.
+    pub(super) own: Range<usize>,
 }
 
 impl Plan {
@@ -82,10 +102,13 @@ impl Plan {
         let mut add = |base: String, endings: &[&str]| {
             files.extend(endings.iter().map(|ending| PathBuf::from(format!("{base}{ending}"))));
         };
-        for PlannedScene { scene, frames, receivers } in &self.scenes {
-            if self.timing.is_some() {
-                for (frame, kind) in frames.iter().flat_map(|frame| receivers.iter().map(move |kind| (*frame, kind))) {
+        for PlannedScene { scene, frames, receivers, .. } in &self.scenes {
+            for (frame, kind) in frames.iter().flat_map(|frame| receivers.iter().map(move |kind| (*frame, kind))) {
+                if self.timing.is_some() {
                     add(file_names::plot(&scene.name, frame, &kind.to_string()), &[".svg", ".png"]);
+                }
+                if self.stages {
+                    add(file_names::plot_of_stages(&scene.name, frame, &kind.to_string()), &[".svg", ".png"]);
                 }
             }
             if frames.len() >= LEAST_FRAMES {
@@ -104,6 +127,39 @@ impl Plan {
             }
         }
         files
+    }
+
+    /// The groups in which this part has anything to do, in the order of the results.
+    pub(super) fn groups(&self) -> Vec<PlannedGroup> {
+        let of_scene = |(place, scene): (usize, &PlannedScene)| {
+            let all = scene.frames.iter().flat_map(|&frame| scene.receivers.iter().map(move |&kind| (frame, kind)));
+            all.enumerate().map(move |(number, (frame, kind))| (place, frame, kind, number == 0)).collect::<Vec<_>>()
+        };
+        let all: Vec<_> = self.scenes.iter().enumerate().flat_map(of_scene).collect();
+        let each = self.variants.len();
+        let own = self.part.range(all.len() * each);
+        let group = |(number, (scene, frame, kind, pictured)): (usize, (usize, usize, ReceiverKind, bool))| {
+            let within = |run: usize| run.clamp(number * each, (number + 1) * each) - number * each;
+            PlannedGroup { scene, frame, kind, pictured, own: within(own.start)..within(own.end) }
+        };
+        let groups = all.into_iter().enumerate().map(group);
+        groups.filter(|group| !group.own.is_empty()).collect()
+    }
+
+    /// Leaves out what `part` leaves to others. Who only measures time shades to no end: a sample will do as the truth.
+    fn of_part(mut self, part: Part, experiment: &Experiment) -> Result<Self, HarnessError> {
+        if part == Part::Times && self.timing.is_none() {
+            let problem = "has no `[timing]`: there are no times to measure";
+            return Err(HarnessError::in_file(&experiment.path, problem));
+        }
+        self.timing = self.timing.filter(|_| part.has_times());
+        if !part.has_errors() {
+            self.accuracy = Accuracy { samples: 1, relative_noise: None, ..self.accuracy };
+            self.references = vec![ReferenceKind::Mesh];
+            (self.classes, self.details, self.stages) = (false, false, false);
+            (self.pairs, self.pictured, self.difference) = (Vec::new(), Vec::new(), None);
+        }
+        Ok(Self { part, ..self })
     }
 
     /// Whether any strategy or reference reads sphere sets.
@@ -143,12 +199,13 @@ impl Plan {
             }
             false => timing,
         });
-        Ok(Self {
+        let plan = Self {
             scenes,
             references,
             weights: experiment.weights,
             classes: experiment.classes,
             details: experiment.details,
+            stages: experiment.stages,
             pairs,
             baseline,
             variants,
@@ -157,7 +214,10 @@ impl Plan {
             pictured,
             difference,
             inputs,
-        })
+            devices: devices.clone(),
+            part: Part::Whole,
+        };
+        plan.of_part(options.part, experiment)
     }
 
     /// The references that are needed besides the mesh, with each strategy's own bands spelled out.

@@ -30,9 +30,7 @@ pub(super) struct Record {
 impl KnownRuns {
     /// Pictures that are gone or were changed are drawn again.
     pub(super) fn of(entries: Vec<Entry>, folder: &OutFolder) -> Self {
-        let is_there = |files: &PictureFiles| {
-            [&files.exr, &files.png].into_iter().chain(&files.error_png).all(|file| folder.holds(Path::new(file)))
-        };
+        let is_there = |files: &PictureFiles| files.all().all(|file| folder.holds(Path::new(file)));
         let mut known = Self::default();
         for entry in entries {
             match entry {
@@ -126,6 +124,17 @@ impl Record {
     /// Writes a file of the run.
     pub(super) fn write(&mut self, file: &Path, bytes: &[u8]) -> Result<(), HarnessError> {
         self.place.as_mut().map_or(Ok(()), |(folder, _)| folder.write(file, bytes))
+    }
+
+    /// Notes the hashes of a part's pictures and of its results, by which damage is known when parts are joined.
+    pub(super) fn seal(&self, results: &mut Results) -> Result<(), HarnessError> {
+        let Some(facts) = &mut results.part else { return Ok(()) };
+        if let Some((folder, _)) = &self.place {
+            let files = results.pictures.iter().flat_map(PictureFiles::all);
+            let hash = |file: &str| Some((file.to_owned(), folder.hash(Path::new(file))?));
+            facts.files = files.filter_map(hash).collect();
+        }
+        results.seal()
     }
 
     /// Writes the results and their company; the journal has had its day.

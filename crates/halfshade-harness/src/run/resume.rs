@@ -6,6 +6,7 @@ use crate::{
     journal::{Header, Journal, SCHEMA},
     out_folder::OutFolder,
     report,
+    results::PictureFiles,
 };
 use halfshade_scene::Progress;
 use std::path::{Path, PathBuf};
@@ -95,7 +96,7 @@ fn restore(folder: &mut OutFolder, results: &Results) -> Result<Vec<PathBuf>, Ha
 
 /// Pictures of a finished run that are there no more.
 fn missing_pictures(folder: &OutFolder, results: &Results) -> Vec<PathBuf> {
-    let files = results.pictures.iter().flat_map(|it| [&it.exr, &it.png].into_iter().chain(&it.error_png));
+    let files = results.pictures.iter().flat_map(PictureFiles::all);
     files.map(PathBuf::from).filter(|file| !folder.holds(file)).collect()
 }
 
@@ -104,6 +105,7 @@ pub(super) fn header_of(results: &Results) -> Header {
     Header {
         schema: SCHEMA.into(),
         experiment_hash: results.experiment_hash.clone(),
+        part: results.part.as_ref().map(|facts| facts.part).unwrap_or_default(),
         quick: results.quick,
         threads: results.machine.threads,
         revision: results.revision.clone(),

@@ -1,7 +1,7 @@
 //! The scenes of an experiment, loaded and changed as it says.
 
 use crate::{
-    Experiment, HarnessError, ReceiverKind,
+    Experiment, HarnessError, Published, ReceiverKind,
     experiment::{SceneEntry, View},
     inputs,
     scene_source::{self, MeshLight},
@@ -52,6 +52,8 @@ pub struct PlannedScene {
     pub frames: Vec<usize>,
     /// Kinds of its receivers.
     pub receivers: Vec<ReceiverKind>,
+    /// Published figures to stand beside ours.
+    pub published: Vec<Published>,
 }
 
 /// Scenes, and what they were read from.
@@ -67,17 +69,19 @@ pub(super) fn scenes(experiment: &Experiment, quick: bool) -> Result<Loaded, Har
     let folder = experiment.path.parent().unwrap_or(Path::new("."));
     let mut scenes: Vec<PlannedScene> = Vec::new();
     let mut inputs = Vec::new();
-    for entry in &experiment.scenes {
+    let swept = experiment.scenes.iter().map(|entry| entry.swept(experiment));
+    for entry in swept.collect::<Result<Vec<_>, _>>()?.concat() {
         let error = |problem: String| experiment.error_at(entry.name.span(), problem);
         let light = MeshLight { name: entry.environment.as_deref(), ..MeshLight::default() };
-        let (scene, files) = input::recorded(|| scene_source::resolve(entry.name.get_ref(), folder, &light));
+        let (scene, files) =
+            input::recorded(|| scene_source::resolve_changed(entry.name.get_ref(), folder, &light, &entry.changes));
         inputs.extend(files);
         let mut scene = scene.map_err(|problem| match problem {
             // The place in the scene's own file is where the mistake is.
             HarnessError::Scene(of_scene) if of_scene.line.is_some() => of_scene.into(),
             other => error(other.to_string()),
         })?;
-        change(&mut scene, entry, experiment)?;
+        change(&mut scene, &entry, experiment)?;
         let of_pictures = || experiment.pictures.as_ref().and_then(|pictures| pictures.resolution);
         if let Some(size) = entry.resolution.or_else(of_pictures) {
             scene.camera.resolution = size.map(|side| if quick { (side / 2).max(1) } else { side });
@@ -98,7 +102,7 @@ pub(super) fn scenes(experiment: &Experiment, quick: bool) -> Result<Loaded, Har
             frames.truncate(1);
         }
         let receivers = entry.receivers.clone().unwrap_or_else(|| experiment.receivers.clone());
-        scenes.push(PlannedScene { scene, frames, receivers });
+        scenes.push(PlannedScene { scene, frames, receivers, published: entry.published });
     }
     Ok(Loaded { scenes, inputs: inputs::relative_to(folder, inputs) })
 }
@@ -137,6 +141,7 @@ fn change(scene: &mut Scene, entry: &SceneEntry, experiment: &Experiment) -> Res
     if let Some(fit) = entry.fit {
         fit_spheres(scene, fit);
     }
+    scene.name.push_str(&entry.suffix());
     Ok(())
 }
 

@@ -1,14 +1,14 @@
 //! How far a strategy is from the references: baked, prepared and shaded once.
 
-use super::{group::Group, references::Traced, setup::Setup};
+use super::{group::Group, references::Traced, setup::Setup, stages::stage_errors};
 use crate::{
-    Reference, ReferenceKind,
+    Reference, ReferenceKind, Variant,
     ability::inability,
     classes::by_class,
     clock::time_secs,
     image_metrics::Similarity,
     metrics::compare,
-    results::{Detail, ErrorFigures, Memory, Run, Status, TimeFigures},
+    results::{Detail, ErrorFigures, Memory, REFERENCE, Run, Status, TimeFigures},
     shading::{count_not_finite, shade_frame},
 };
 use halfshade_scene::{RadianceBuffer, Scene};
@@ -29,7 +29,7 @@ pub(super) struct Shaded {
 }
 
 /// Why a variant has no scores.
-struct Refusal {
+pub(super) struct Refusal {
     status: Status,
     reason: String,
 }
@@ -58,7 +58,7 @@ const NO_KERNELS: &str = "no kernels for graphics devices yet: run it with devic
 /// Bakes, prepares and shades the variant at `place` once, and compares with every reference.
 pub(super) fn score(setup: &Setup<'_>, group: &Group<'_>, place: usize) -> Scored {
     let blank = &group.rows[place].blank;
-    match shade_once(setup, group, place) {
+    match shade_with(setup, group, &setup.plan.variants[place]) {
         Ok((bake_secs, shaded)) => {
             Scored { runs: compared(setup, group, place, bake_secs, &shaded), shaded: Some(shaded) }
         }
@@ -68,9 +68,8 @@ pub(super) fn score(setup: &Setup<'_>, group: &Group<'_>, place: usize) -> Score
     }
 }
 
-/// Seconds of baking, and what the variant at `place` has shaded.
-fn shade_once(setup: &Setup<'_>, group: &Group<'_>, place: usize) -> Result<(f64, Shaded), Refusal> {
-    let variant = &setup.plan.variants[place];
+/// Seconds of baking, and what a variant has shaded.
+pub(super) fn shade_with(setup: &Setup<'_>, group: &Group<'_>, variant: &Variant) -> Result<(f64, Shaded), Refusal> {
     let (tools, frame) = (setup.tools, &group.frame);
     let strategy = tools.strategy(variant).ok_or_else(|| Refusal::unsupported(NO_KERNELS.into()))?;
     if let Some(reason) = inability(strategy, frame.scene, tools.strategies) {
@@ -97,6 +96,10 @@ fn compared(setup: &Setup<'_>, group: &Group<'_>, place: usize, bake_secs: f64, 
     let details = if plan.details { baked.details() } else { Vec::new() };
     let details = details.into_iter().map(|detail| Detail { name: detail.name, values: detail.values });
     let details: Vec<Detail> = details.collect();
+    let stages = |kind| match plan.stages && kind == ReferenceKind::Mesh {
+        true => stage_errors(setup, group, place, radiance),
+        false => Vec::new(),
+    };
     let run_against = |traced: &Traced| {
         Some(Run {
             status: Status::Ok,
@@ -105,6 +108,7 @@ fn compared(setup: &Setup<'_>, group: &Group<'_>, place: usize, bake_secs: f64, 
             time: Some(TimeFigures::of(bake_secs, setup.threads, Vec::new())),
             memory: Some(memory.clone()),
             details: details.clone(),
+            stages: stages(traced.kind),
             ..group.rows[place].blank.clone()
         })
     };
@@ -118,7 +122,7 @@ pub(super) fn reference_rows(group: &Group<'_>) -> Vec<Run> {
     let row = |other: &Traced| {
         let both = mesh.with_noise_of_difference(&other.reference);
         Some(Run {
-            strategy: "reference".into(),
+            strategy: REFERENCE.into(),
             label: format!("reference: {}", other.kind),
             params: BTreeMap::from([("reference".to_owned(), other.kind.to_string().into())]),
             status: Status::Ok,

@@ -14,9 +14,8 @@ pub(super) struct Steps<'a> {
 impl<'a> Steps<'a> {
     /// Those of `plan`, none of them done.
     pub(super) fn of(plan: &Plan, progress: &'a dyn Progress) -> Self {
-        let groups: usize = plan.scenes.iter().map(|scene| scene.frames.len() * scene.receivers.len()).sum();
         let of_a_variant = if plan.timing.is_some() { 2 } else { 1 };
-        let total = (groups * (1 + of_a_variant * plan.variants.len())) as u64;
+        let total = plan.groups().iter().map(|group| (1 + of_a_variant * group.own.len()) as u64).sum();
         progress.overall(0, total);
         Self { progress, total, done: AtomicU64::new(0) }
     }

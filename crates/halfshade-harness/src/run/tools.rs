@@ -1,6 +1,6 @@
 //! Strategies, clock, cache and progress of a run.
 
-use crate::{Clock, Device, GraphicsDevice, Variant, reference::BandLimit};
+use crate::{Clock, Device, GraphicsDevice, Part, Variant, reference::BandLimit};
 use halfshade_scene::{InputFile, Progress, cache::Cache};
 use halfshade_strategy::Strategy;
 use std::path::PathBuf;
@@ -25,7 +25,7 @@ pub struct Tools<'a> {
 
 impl Tools<'_> {
     /// The strategy of a variant on its device, if it has kernels there.
-    pub(super) fn strategy(&self, variant: &Variant) -> Option<&dyn Strategy> {
+    pub(crate) fn strategy(&self, variant: &Variant) -> Option<&dyn Strategy> {
         match variant.device {
             Device::Cpu => self.strategies.get(variant.strategy).map(Box::as_ref),
             Device::Gpu => self.graphics?.strategy(&variant.name),
@@ -40,6 +40,8 @@ pub struct RunOptions {
     pub threads: Option<usize>,
     /// Devices, if others than the experiment's.
     pub devices: Option<Vec<Device>>,
+    /// The part of the experiment that is run.
+    pub part: Part,
     /// Fewer samples, one frame, three timed rounds.
     pub quick: bool,
     /// Go on with the journal that is there.

@@ -18,6 +18,7 @@
 //! ```
 
 mod build;
+mod changes;
 mod document;
 mod environment;
 mod framing;
@@ -26,15 +27,28 @@ mod source;
 mod values;
 
 pub use build::DEFAULT_SPHERE_COUNT;
+pub use changes::Change;
 
 use crate::{Environment, Object, Pose, Scene, SceneError, builtin, keys, mesh, text};
+use changes::changed;
 use glam::Vec3;
 use source::Source;
 use std::path::Path;
 
 /// Reads a scene file and all that it names; sphere sets are not built yet.
 pub fn load(path: &Path) -> Result<Scene, SceneError> {
-    let text = text::read(path)?;
+    load_changed(path, &[])
+}
+
+/// The same of a file in which some values are others.
+///
+/// # Errors
+/// Those of the file, and a change whose path leads nowhere.
+pub fn load_changed(path: &Path, changes: &[Change]) -> Result<Scene, SceneError> {
+    let mut text = text::read(path)?;
+    if !changes.is_empty() {
+        text = changed(&text, changes).map_err(|error| error.in_file(path))?;
+    }
     let source = Source::new(path, &text);
     let document = source.parse()?;
     build::scene(&source, document)

@@ -9,6 +9,11 @@ use std::{borrow::Cow, ops::Range};
 pub struct Spanned<T>(toml::Spanned<T>);
 
 impl<T> Spanned<T> {
+    /// A value for which some bytes of the file stand.
+    pub fn new(span: Range<usize>, value: T) -> Self {
+        Self(toml::Spanned::new(span, value))
+    }
+
     /// The bytes.
     pub fn span(&self) -> Range<usize> {
         self.0.span()

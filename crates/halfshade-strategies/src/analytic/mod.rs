@@ -57,6 +57,7 @@ impl Strategy for Analytic {
             source: "[Snyder1996], [Oat2007]",
             parameters: Settings::parameters(),
             presets: &[],
+            stages: &[],
             effects: Effects::of(&Effect::DIRECT),
         }
     }

@@ -80,7 +80,7 @@ use halfshade_scene::{Frame, Progress, Scene};
 use halfshade_strategy::{Baked, Detail, Effect, Effects, Footprint, Info, Params, Prepared, Strategy, StrategyError};
 use kernel::sampled::Sampler;
 use prepare::frame::FrameData;
-use settings::{PRESETS, Settings};
+use settings::{PRESETS, STAGES, Settings};
 #[doc(hidden)]
 pub use shade::Stage;
 use shade::{Counters, Shader};
@@ -97,6 +97,7 @@ impl Strategy for CosineLobe {
             source: "[Meunier2009]",
             parameters: Settings::parameters(),
             presets: PRESETS,
+            stages: STAGES,
             effects: Effects::of(&[
                 Effect::EnvironmentLight,
                 Effect::LocalLights,

@@ -3,7 +3,7 @@
 use super::kernel::mask::MAX_DEPTH;
 use crate::shared::adjustment::Rule;
 use halfshade_sh::lobe::{CapFit, ProductRule};
-use halfshade_strategy::{Preset, choice, settings};
+use halfshade_strategy::{Preset, Stage, choice, settings};
 
 choice! {
     /// Which two of reflectance, light and visibility are multiplied first.
@@ -75,13 +75,22 @@ choice! {
     }
 }
 
+/// Where it errs, from what is found last to what is found first.
+pub(crate) const STAGES: &[Stage] = &[
+    Stage { name: "sharing", exact: "share=0" },
+    Stage { name: "threshold", exact: "threshold=0" },
+    Stage { name: "depth of the mask", exact: "depth=6,env-depth=6" },
+    Stage { name: "lobes of the light", exact: "env-lobes=64" },
+    Stage { name: "products of lobes", exact: "integration=sampled,samples=4096" },
+];
+
 settings! {
     /// All parameters.
     pub(crate) struct Settings {
         /// what is multiplied first
         "order" => order: Order = Order::LightFirst;
         /// levels of the mask's quad-tree below its root; 0 is the root alone
-        "depth" => depth: usize = 5, in 0..=MAX_DEPTH;
+        "depth" => depth: usize = 5, in 0..=MAX_DEPTH, levels ["3", "4", "5", "6"];
         /// partly covered cells of the last level
         "leaves" => leaves: Leaves = Leaves::Fraction;
         /// for order=published: how lobes that overlap are weighted
@@ -104,7 +113,7 @@ settings! {
         /// small bright parts of an environment map that become lights of their own, at most
         "env-lamps" => environment_lamps: usize = 2, in 0..=8;
         /// lobes fitted to an environment map, beside a constant
-        "env-lobes" => environment_lobes: usize = 16, in 0..=64;
+        "env-lobes" => environment_lobes: usize = 16, in 0..=64, levels ["4", "8", "16", "32"];
         /// cells along each side of a hemisphere that blockers cover, as a power of 2
         "env-depth" => environment_depth: usize = 5, in 3..=6;
     }

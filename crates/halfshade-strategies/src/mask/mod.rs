@@ -67,7 +67,7 @@ use halfshade_scene::{Frame, Progress, Scene};
 use halfshade_strategy::{Baked, Effect, Effects, Footprint, Info, Params, Prepared, Strategy, StrategyError};
 use kernel::{lamp::Spiral, lobe::LobeSpiral};
 use prepare::frame::FrameData;
-use settings::{Own, PRESETS, Settings};
+use settings::{Own, PRESETS, STAGES, Settings};
 use shade::{GlossTables, Shader};
 use std::sync::Arc;
 
@@ -107,6 +107,7 @@ impl Strategy for Mask {
             source: "[Debevec2005]",
             parameters: Settings::parameters(),
             presets: PRESETS,
+            stages: STAGES,
             effects: Effects::of(&Effect::DIRECT).with(Effect::GlossyReflectance),
         }
     }

@@ -1,7 +1,7 @@
 //! Everything that can be set.
 
 use crate::shared::adjustment::Rule;
-use halfshade_strategy::{Preset, choice, settings};
+use halfshade_strategy::{Preset, Stage, choice, settings};
 
 choice! {
     /// Use of an object's own mesh for the receivers on it.
@@ -13,12 +13,19 @@ choice! {
     }
 }
 
+/// Where it errs, from what is found last to what is found first.
+pub(crate) const STAGES: &[Stage] = &[
+    Stage { name: "own cells", exact: "own-cells=64" },
+    Stage { name: "normals", exact: "normals=8" },
+    Stage { name: "directions", exact: "directions=1024" },
+];
+
 settings! {
     /// Everything that can be set.
     pub(crate) struct Settings {
         /// directions that each receiver looks into: as many of the sky, as many shared by all lamps, half as many along each
         /// glossy lobe
-        "directions" => directions: usize = 64, in 8..=1024;
+        "directions" => directions: usize = 64, in 8..=1024, levels ["16", "32", "64", "128", "256", "512"];
         /// cells of the grid of normals that have directions of their own, from its centre to its side; 0: one set for all
         "normals" => normals: usize = 3, in 0..=8;
         /// width over which a sphere's edge closes a direction, in radii of the direction's cell; 0: it is open or closed

@@ -66,7 +66,7 @@ use halfshade_scene::{Cache, EyeLobes, Frame, Pose, Progress, Scene};
 use halfshade_strategy::{Baked, Detail, Effect, Effects, Footprint, Info, Params, Prepared, Strategy, StrategyError};
 use kernel::decode::Product;
 use prepare::{light::FrameLight, products, shaped::LightShape, turns};
-use settings::Settings;
+use settings::{STAGES, Settings};
 use shade::{
     Shader,
     clusters::ClusterShader,
@@ -149,6 +149,7 @@ impl Strategy for Prt {
             source: "[Sloan2002][Dachsbacher2017][Sloan2017][Roughton2024]",
             parameters: Settings::parameters(),
             presets: &[],
+            stages: STAGES,
             effects: Effects::of(&[
                 Effect::EnvironmentLight,
                 Effect::ColouredLight,

@@ -1,7 +1,7 @@
 //! Everything that can be set.
 
 use halfshade_sh::window::Window;
-use halfshade_strategy::{Params, choice, settings};
+use halfshade_strategy::{Params, Stage, choice, settings};
 
 choice! {
     /// The light that transfer vectors know of.
@@ -77,11 +77,20 @@ choice! {
     }
 }
 
+/// Where it errs, from what is found last to what is found first.
+pub(crate) const STAGES: &[Stage] = &[
+    Stage { name: "compression", exact: "compression=none" },
+    Stage { name: "window", exact: "window=none" },
+    Stage { name: "basis of the light", exact: "light=sh" },
+    Stage { name: "rays", exact: "directions=16384" },
+    Stage { name: "bands", exact: "bands=8" },
+];
+
 settings! {
     /// Everything that can be set.
     pub(crate) struct Settings {
         /// bands of light and transfer
-        "bands" => bands: usize = 4, in 1..=8;
+        "bands" => bands: usize = 4, in 1..=8, levels ["2", "3", "4", "5", "6", "8"];
         /// light that transfer vectors know of
         "transfer" => transfer: TransferKind = TransferKind::Interreflected;
         /// rays from each vertex when transfer is baked

@@ -55,7 +55,7 @@ use halfshade_rays::SceneRays;
 use halfshade_scene::{EyeLobes, Frame, Placement, Progress, Receivers, Scene};
 use halfshade_strategy::{Baked, Effect, Effects, Footprint, Info, Params, Prepared, Preset, Strategy, StrategyError};
 use prepare::{light_sampler::LightSampler, neighbours::Neighbours};
-use settings::Settings;
+use settings::{STAGES, Settings};
 use shade::{FrameRays, filter::Filter};
 
 /// The strategy.
@@ -95,6 +95,7 @@ impl Strategy for RayTraced {
             source: "[Heitz2018]",
             parameters: Settings::parameters(),
             presets: &PRESETS,
+            stages: STAGES,
             effects: Effects::of(&Effect::DIRECT).with(Effect::GlossyReflectance),
         }
     }

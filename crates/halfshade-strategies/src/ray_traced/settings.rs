@@ -1,6 +1,6 @@
 //! Everything that can be set.
 
-use halfshade_strategy::{choice, settings};
+use halfshade_strategy::{Stage, choice, settings};
 
 choice! {
     /// How directions are drawn.
@@ -36,17 +36,21 @@ choice! {
     }
 }
 
+/// Where it errs, from what is found last to what is found first.
+pub(crate) const STAGES: &[Stage] =
+    &[Stage { name: "filter", exact: "filter=none" }, Stage { name: "noise", exact: "samples=1024" }];
+
 settings! {
     /// Everything that can be set.
     pub(super) struct Settings {
         /// rays per receiver
-        "samples" => samples: u32 = 16, in 1..=4096;
+        "samples" => samples: u32 = 16, in 1..=4096, levels ["1", "2", "4", "8", "16", "32", "64"];
         /// how directions are drawn
         "sampling" => sampling: Sampling = Sampling::Product;
         /// what is made of them
         "estimator" => estimator: Estimator = Estimator::Ratio;
         /// what neighbours tell each other: pixels of a picture, vertices of a mesh
-        "filter" => filter: Filter = Filter::EdgeAvoiding;
+        "filter" => filter: Filter = Filter::EdgeAvoiding, levels ["none", "edge-avoiding"];
         /// times that a filter looks twice as far
         "filter-levels" => filter_levels: u32 = 3, in 1..=8;
         /// degrees between normals from which on neighbours tell each other nothing

@@ -80,7 +80,7 @@ use bake::{Tables, own::OwnTables};
 use halfshade_scene::{Frame, Progress, Scene, light::OctahedralGrid};
 use halfshade_strategy::{Baked, Detail, Effect, Effects, Footprint, Info, Params, Prepared, Strategy, StrategyError};
 use prepare::{FirstPass, frame::FrameData, ground::GroundView, light::FrameLight};
-use settings::{PRESETS, Settings, SmallLights};
+use settings::{PRESETS, STAGES, Settings, SmallLights};
 use shade::Shader;
 
 /// The strategy.
@@ -95,6 +95,7 @@ impl Strategy for ShExp {
             source: "[Guerrero2007, 4.2]",
             parameters: Settings::parameters(),
             presets: PRESETS,
+            stages: STAGES,
             effects: Effects::of(&[
                 Effect::EnvironmentLight,
                 Effect::LocalLights,

@@ -6,7 +6,7 @@ use halfshade_sh::{
     exponential::{Exponential, Method},
     form_factor, logarithm, window,
 };
-use halfshade_strategy::{Preset, choice, settings};
+use halfshade_strategy::{Preset, Stage, choice, settings};
 
 choice! {
     /// How blockers combine.
@@ -202,13 +202,22 @@ choice! {
     }
 }
 
+/// Where it errs, from what is found last to what is found first.
+pub(crate) const STAGES: &[Stage] = &[
+    Stage { name: "hierarchy", exact: "levels=leaves" },
+    Stage { name: "own occlusion", exact: "own=baked" },
+    Stage { name: "small lights", exact: "sun=apart" },
+    Stage { name: "exponential and overlap", exact: "exp=traced" },
+    Stage { name: "bands", exact: "bands=8" },
+];
+
 settings! {
     /// All parameters: of shadows, of the sphere hierarchy, of reflections.
     pub(crate) struct Settings {
         /// how blockers combine
-        "exp" => combination: Combination = Combination::Hybrid;
+        "exp" => combination: Combination = Combination::Hybrid, levels ["optimal-linear", "hybrid"];
         /// bands of visibility
-        "bands" => bands: usize = 4, in 1..=8;
+        "bands" => bands: usize = 4, in 1..=8, levels ["2", "3", "4", "5", "6", "8"];
         /// hybrid, quadratic, series: magnitude at which squaring starts; 0: 8/bands² for the hybrid, else 1
         "magnitude-limit" => magnitude_limit: f64 = 0.0, in 0.0..=100.0;
         /// hybrid, quadratic, series: how one squaring more sets in
@@ -228,9 +237,9 @@ settings! {
         /// spheres that cut the tangent plane
         "rule" => rule: Rule = Rule::Continuous;
         /// spheres of one object that cover each other
-        "overlap" => overlap: Overlap = Overlap::Balanced;
+        "overlap" => overlap: Overlap = Overlap::Balanced, levels ["independent", "balanced"];
         /// spheres of the hierarchy that a receiver sees
-        "levels" => levels: Levels = Levels::Leaves;
+        "levels" => levels: Levels = Levels::Leaves, levels ["tree", "leaves"];
         /// children per parent in the hierarchy
         "branching" => branching: usize = 4, in 2..=16;
         /// largest angular radius, in degrees, of a sphere that stands for finer ones

@@ -58,7 +58,7 @@ use bake::{haar::HaarFields, meshes::Baking, sh::ShFields};
 use haar::HaarBaked;
 use halfshade_scene::{Cache, Progress, Scene};
 use halfshade_strategy::{Baked, Effect, Effects, Info, Params, Strategy, StrategyError};
-use settings::{Basis, PRESETS, Settings};
+use settings::{Basis, PRESETS, STAGES, Settings};
 pub use sh::ShBaked;
 
 /// The strategy.
@@ -82,6 +82,7 @@ impl Strategy for ShadowField {
             source: "[Tamura2006]",
             parameters: Settings::parameters(),
             presets: PRESETS,
+            stages: STAGES,
             effects: Effects::of(&[
                 Effect::EnvironmentLight,
                 Effect::LocalLights,

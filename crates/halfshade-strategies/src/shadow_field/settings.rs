@@ -1,7 +1,7 @@
 //! Everything that can be set.
 
 use super::bake::{basis::Storage, field::Thinning, meshes::Source, projected::ShellLayout};
-use halfshade_strategy::{Preset, choice, settings};
+use halfshade_strategy::{Preset, Stage, choice, settings};
 use serde::{Deserialize, Serialize};
 
 choice! {
@@ -71,13 +71,21 @@ choice! {
     }
 }
 
+/// Where it errs, from what is found last to what is found first.
+pub(crate) const STAGES: &[Stage] = &[
+    Stage { name: "storage", exact: "storage=f32" },
+    Stage { name: "interpolation", exact: "sampling=traced" },
+    Stage { name: "products", exact: "sampling=together" },
+    Stage { name: "bands", exact: "bands=8" },
+];
+
 settings! {
     /// All parameters.
     pub(crate) struct Settings {
         /// basis of fields
         "basis" => basis: Basis = Basis::Sh;
         /// SH: bands of visibility
-        "bands" => bands: usize = 4, in 1..=8;
+        "bands" => bands: usize = 4, in 1..=8, levels ["2", "3", "4", "5", "6"];
         /// concentric shells
         "shells" => shells: usize = 32, in 1..=128;
         /// shells within the first, each half as large as the next; 0 as published

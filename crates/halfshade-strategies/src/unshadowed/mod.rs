@@ -46,6 +46,7 @@ impl Strategy for Unshadowed {
             source: "[Dachsbacher2017]",
             parameters: Settings::parameters(),
             presets: &[],
+            stages: &[],
             effects: Effects::of(&Effect::DIRECT),
         }
     }

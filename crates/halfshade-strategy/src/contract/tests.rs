@@ -39,7 +39,7 @@ impl Strategy for Toy {
     fn info(&self) -> Info {
         let effects = Effects::of(&[Effect::EnvironmentLight, Effect::ColouredLight, Effect::Motion]);
         let effects = if self.0 == Fault::ClaimsGloss { effects.with(Effect::GlossyReflectance) } else { effects };
-        Info { name: "toy", summary: "", source: "", parameters: Vec::new(), presets: &[], effects }
+        Info { name: "toy", summary: "", source: "", parameters: Vec::new(), presets: &[], stages: &[], effects }
     }
 
     fn bake(&self, _: &Scene, _: &Params, _: &dyn Progress) -> Result<Box<dyn Baked>, StrategyError> {

@@ -9,7 +9,7 @@ use crate::{
     failure::Failure,
     terminal,
 };
-use halfshade_harness::{ReceiverKind, Variant, experiment::Comparison};
+use halfshade_harness::{Part, ReceiverKind, Variant, experiment::Comparison};
 use std::process::ExitCode;
 
 pub(super) fn compare(context: &Context, arguments: &CompareArguments) -> Result<ExitCode, Failure> {
@@ -21,6 +21,7 @@ pub(super) fn compare(context: &Context, arguments: &CompareArguments) -> Result
     // Who is named as the baseline is meant to run.
     strategies.extend(arguments.baseline.iter().filter(|spec| !strategies.contains(spec)).cloned().collect::<Vec<_>>());
     let comparison = Comparison {
+        purpose: "compare",
         scenes: arguments.scenes.clone(),
         environment: arguments.env.clone(),
         strategies,
@@ -43,6 +44,7 @@ pub(super) fn compare(context: &Context, arguments: &CompareArguments) -> Result
         devices: &arguments.device,
         quick: arguments.quick,
         resume: arguments.resume,
+        part: Part::Whole,
     };
     run_experiment(context, &comparison.experiment()?, start)
 }

@@ -6,6 +6,7 @@ mod completions;
 mod context;
 mod list;
 mod man;
+mod merge;
 mod new;
 mod picture;
 mod render;
@@ -14,6 +15,7 @@ mod run;
 mod schema;
 mod spheres;
 mod truth;
+mod tune;
 
 use crate::{
     cli::{Cli, Command},
@@ -35,12 +37,14 @@ pub(crate) fn dispatch(
         Command::Run(arguments) => run::run(&context, &arguments),
         Command::Compare(arguments) => compare::compare(&context, &arguments),
         Command::Check(arguments) => check::check(&context, &arguments),
+        Command::Merge(arguments) => merge::merge(&context, &arguments),
         Command::List(arguments) => list::list(&context, &arguments),
         Command::Report(arguments) => report::report(&context, &arguments),
         Command::New(arguments) => new::new(&context, &arguments),
         Command::Schema(arguments) => schema::schema(&arguments),
         Command::Completions(arguments) => completions::completions(&arguments),
         Command::Man(arguments) => man::man(&arguments),
+        Command::Tune(arguments) => tune::tune(&context, &arguments),
         Command::Render(arguments) => on_threads(&context, || render::render(&context, &arguments)),
         Command::Truth(arguments) => on_threads(&context, || truth::truth(&context, &arguments)),
         Command::Spheres(arguments) => on_threads(&context, || spheres::spheres(&context, &arguments)),

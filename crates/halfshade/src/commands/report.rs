@@ -13,43 +13,58 @@ use halfshade_harness::{
     report::{self, Format},
 };
 use halfshade_scene::{Progress, input};
-use std::{path::Path, process::ExitCode};
+use std::{
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
 
 pub(super) fn report(context: &Context, arguments: &ReportArguments) -> Result<ExitCode, Failure> {
     if let Some(output) = &arguments.output {
         context.prepare_output(output)?;
     }
-    let (results, inputs) = input::recorded(|| Results::load(&arguments.folder));
-    let mut results = results?;
+    let load = |folder: &PathBuf| Ok((folder.display().to_string(), Results::load(folder)?));
+    let (all, inputs) =
+        input::recorded(|| arguments.folders.iter().map(load).collect::<Result<Vec<_>, HarnessError>>());
+    let mut all = all?;
     if let Some(output) = &arguments.output {
         check_no_input(output, &inputs)?;
     }
-    // Stored results may have been parted from their pictures, which are large.
-    let folder = if arguments.folder.is_dir() { Some(arguments.folder.as_path()) } else { arguments.folder.parent() };
-    results.pictures.retain(|files| folder.is_some_and(|folder| folder.join(&files.png).is_file()));
-    let format = match arguments.format {
-        FormatChoice::Md => Format::Markdown,
-        FormatChoice::Csv => Format::Csv,
-        FormatChoice::Latex => Format::Latex,
-        FormatChoice::Html => Format::Html,
-        FormatChoice::Text => Format::Text,
+    let format = format(arguments.format);
+    let text = match (arguments.folders.as_slice(), all.as_mut_slice()) {
+        ([folder], [(_, results)]) => one(context, folder, results, format)?,
+        _ => report::side_by_side(&all).write(format, &|_| None),
     };
-    if arguments.folder.is_dir() && format == Format::Markdown {
-        // The page refers to the plots by name.
-        prepare_folder(&arguments.folder)?;
-        if arguments.folder.join(PRIVATE).is_dir() {
-            write_beside_run(context, &arguments.folder, &results)?;
-        } else {
-            report::write_plots(&results, &mut |file, bytes| write_plot(context, &arguments.folder.join(file), bytes))?;
-        }
-    }
-    let nowhere = Path::new("");
-    let text = report::report(&results, format, &report::files_in(folder.unwrap_or(nowhere)));
     match &arguments.output {
         Some(output) => write_atomically(output, text.as_bytes())?,
         None => terminal::data(&text)?,
     }
     Ok(ExitCode::SUCCESS)
+}
+
+fn format(choice: FormatChoice) -> Format {
+    match choice {
+        FormatChoice::Md => Format::Markdown,
+        FormatChoice::Csv => Format::Csv,
+        FormatChoice::Latex => Format::Latex,
+        FormatChoice::Html => Format::Html,
+        FormatChoice::Text => Format::Text,
+    }
+}
+
+/// The report on the results in `folder`; one in Markdown draws the plots that it refers to by name.
+fn one(context: &Context, folder: &Path, results: &mut Results, format: Format) -> Result<String, Failure> {
+    // Stored results may have been parted from their pictures, which are large.
+    let beside = if folder.is_dir() { Some(folder) } else { folder.parent() };
+    results.pictures.retain(|files| beside.is_some_and(|beside| beside.join(&files.png).is_file()));
+    if folder.is_dir() && format == Format::Markdown {
+        prepare_folder(folder)?;
+        if folder.join(PRIVATE).is_dir() {
+            write_beside_run(context, folder, results)?;
+        } else {
+            report::write_plots(results, &mut |file, bytes| write_plot(context, &folder.join(file), bytes))?;
+        }
+    }
+    Ok(report::report(results, format, &report::files_in(beside.unwrap_or(Path::new("")))))
 }
 
 /// Writes plots into the folder of a run, which keeps a list of all that is its own.

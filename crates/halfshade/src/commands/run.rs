@@ -7,12 +7,16 @@ use crate::{
     terminal,
 };
 use halfshade_harness::{
-    Device, Experiment,
+    Device, Experiment, Part,
     report::{Format, summary},
     run::RunOptions,
 };
 use halfshade_scene::Progress;
-use std::{ffi::OsString, path::PathBuf, process::ExitCode};
+use std::{
+    ffi::OsString,
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
 
 pub(super) fn run(context: &Context, arguments: &RunArguments) -> Result<ExitCode, Failure> {
     let mut experiment = Experiment::load(&arguments.experiment)?;
@@ -22,8 +26,19 @@ pub(super) fn run(context: &Context, arguments: &RunArguments) -> Result<ExitCod
         devices: &arguments.device,
         quick: arguments.quick,
         resume: arguments.resume,
+        part: part(arguments)?,
     };
     run_experiment(context, &experiment, start)
+}
+
+/// The part that is asked for.
+fn part(arguments: &RunArguments) -> Result<Part, Failure> {
+    let shard = arguments.shard.map(|choice| choice.shard(&|name| std::env::var(name).ok()));
+    match shard.transpose().map_err(|problem| Failure::Error(format!("--shard: {problem}")))? {
+        Some(shard) => Ok(Part::Errors(shard)),
+        None if arguments.times => Ok(Part::Times),
+        None => Ok(Part::Whole),
+    }
 }
 
 /// How a run is started.
@@ -34,6 +49,7 @@ pub(super) struct Start<'a> {
     pub(super) devices: &'a [DeviceArgument],
     pub(super) quick: bool,
     pub(super) resume: bool,
+    pub(super) part: Part,
 }
 
 /// Runs `experiment`; ends with tables, the verdicts, and where the rest lies.
@@ -42,7 +58,7 @@ pub(super) fn run_experiment(
     experiment: &Experiment,
     start: Start<'_>,
 ) -> Result<ExitCode, Failure> {
-    let out = start.out.unwrap_or_else(|| PathBuf::from("out").join(&experiment.name));
+    let out = start.out.unwrap_or_else(|| default_folder(&experiment.name, start.part));
     let named: Vec<Device> = start.devices.iter().map(DeviceArgument::device).collect();
     let devices = if named.is_empty() { experiment.devices.clone() } else { named };
     let name = start.devices.iter().find_map(DeviceArgument::name);
@@ -52,15 +68,36 @@ pub(super) fn run_experiment(
         threads: context.threads,
         quick: start.quick,
         resume: start.resume,
+        part: start.part,
         out: Some(out.clone()),
         inputs: None,
     };
     on_interrupt(resume_command(&context.arguments))?;
     let results =
         context.with_tools(graphics.as_ref(), |tools| halfshade_harness::run::run(experiment, tools, &options))?;
+    if start.part != Part::Whole {
+        let parts = out.parent().unwrap_or(&out).display();
+        let told = format!(
+            "{} of {}: {}; when all parts are there: halfshade merge {parts}/*",
+            start.part,
+            experiment.name,
+            out.display()
+        );
+        context.bars.note(&told);
+        return Ok(ExitCode::SUCCESS);
+    }
     terminal::data(&format!("{}\n", summary(&results).write(Format::Text, &|_| None)))?;
     context.bars.note(&format!("tables, plots and pictures: {}", out.join("report.html").display()));
     Ok(ExitCode::SUCCESS)
+}
+
+/// Folder of results, if none is named; parts lie beside each other.
+fn default_folder(experiment: &str, part: Part) -> PathBuf {
+    let out = Path::new("out");
+    match part.folder_name() {
+        None => out.join(experiment),
+        Some(name) => out.join(format!("{experiment}-parts")).join(name),
+    }
 }
 
 /// Status of a program that an interrupt ended: 128 and the signal's number.

@@ -5,6 +5,8 @@ mod devices;
 mod folders;
 mod inputs;
 mod interruptions;
+#[cfg(unix)]
+mod parts;
 mod refusals;
 
 use crate::common::{folder, write};

@@ -130,7 +130,7 @@ fn draw_line<B: DrawingBackend>(
 }
 
 /// A text in lines that fit the legend, broken between words.
-fn wrapped(text: &str) -> Vec<String> {
+pub(super) fn wrapped(text: &str) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split(' ') {
         match lines.last_mut() {

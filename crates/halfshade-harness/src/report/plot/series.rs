@@ -42,7 +42,7 @@ pub(super) struct Kinds<'a> {
 
 impl<'a> Kinds<'a> {
     pub(super) fn new(results: &'a Results) -> Self {
-        let is_scored = |run: &&Run| run.reference() == "mesh" && run.strategy != "reference";
+        let is_scored = |run: &&Run| run.reference() == "mesh" && !run.is_reference();
         let runs: Vec<&Run> = results.runs.iter().filter(is_scored).collect();
         let mut all = Self { results, runs, kinds: Vec::new() };
         for run in all.runs.clone() {
@@ -95,7 +95,7 @@ impl<'a> Kinds<'a> {
         let runs = || frames.iter().flat_map(|group| group.runs(self.results)).filter(|run| run.reference() == "mesh");
         let mut labels: Vec<&str> = Vec::new();
         let mut curves: Vec<Series> = Vec::new();
-        for first in runs().filter(|run| run.strategy != "reference") {
+        for first in runs().filter(|run| !run.is_reference()) {
             if labels.contains(&first.label.as_str()) {
                 continue;
             }

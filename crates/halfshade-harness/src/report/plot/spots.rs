@@ -14,6 +14,10 @@ pub(super) struct Spot {
 }
 
 impl Spot {
+    pub(super) fn of(x: i32, y: i32, text: String) -> Self {
+        Self { pixel: (x, y), text }
+    }
+
     pub(super) fn new(pixel: (i32, i32), series: &Series, point: &Point) -> Self {
         let numbers =
             if point.numbers.is_empty() { String::new() } else { format!(" ({}: {})", series.numbers, point.numbers) };

@@ -17,6 +17,13 @@ const PALETTE: [RGBColor; 10] = [
     RGBColor(140, 20, 50),
 ];
 
+/// Colour of the stage at a place in a plot's legend; from the tenth on lighter ones.
+pub(super) fn stage_color(place: usize) -> RGBColor {
+    let RGBColor(r, g, b) = PALETTE[(place + 1) % PALETTE.len()];
+    let lighter = |value: u8| if place + 1 < PALETTE.len() { value } else { value / 2 + 127 };
+    RGBColor(lighter(r), lighter(g), lighter(b))
+}
+
 /// Number of marks.
 pub(super) const MARKS: usize = 12;
 

@@ -14,6 +14,18 @@ use super::{groups::Group, table::Table};
 use crate::Results;
 use contender::{Contender, baseline, contenders};
 
+/// Label, relative error, seconds of a frame and bytes of every strategy that was scored and timed, group by group.
+pub fn figures_of_all(results: &Results) -> Vec<(String, f64, f64, f64)> {
+    let figures = |it: &Contender<'_>| {
+        let bytes = it.run.memory.as_ref().map_or(0, |memory| memory.bytes);
+        (it.name().to_owned(), it.error, it.frame_secs, bytes as f64)
+    };
+    Group::all(results)
+        .iter()
+        .flat_map(|group| contenders(results, group).iter().map(figures).collect::<Vec<_>>())
+        .collect()
+}
+
 /// One table per frame on which anything was timed, and one over all if they are several.
 pub(super) fn verdicts(results: &Results) -> Vec<Table> {
     let groups = Group::all(results);
