@@ -247,11 +247,7 @@ fn strategy_tables(_: &mut SchemaGenerator) -> Schema {
             },
             "required": ["name"],
             "additionalProperties": {
-                "anyOf": [
-                    { "type": "string" },
-                    { "type": "number" },
-                    { "type": "array", "items": { "anyOf": [{ "type": "string" }, { "type": "number" }] } },
-                ],
+                "anyOf": [{ "type": "string" }, { "type": "number" }, { "type": "array" }],
                 "description": "`preset`, or any of its parameters. A list sweeps: each of its values runs, and of several lists \
                                 every combination.",
             },

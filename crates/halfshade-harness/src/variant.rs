@@ -174,7 +174,7 @@ mod tests {
         let refused = |text: String| Experiment::parse(&text, Path::new("e.toml")).unwrap_err().to_string();
         assert!(
             refused(text.replace("[0.5, 0.25]", "true"))
-                .contains("`factor` must be a text in quotes or a number or a list")
+                .contains("`factor` must be a text in quotes, a number or a list")
         );
         assert!(refused(text.replace("name = \"dim\"\n", "")).contains("`strategy` needs the key `name`"));
     }

@@ -5,9 +5,9 @@ mod files;
 mod global;
 mod shell;
 
-pub use files::{FileChoice, NewArguments, SchemaArguments};
-pub use global::GlobalArguments;
-pub use shell::{CompletionsArguments, ManArguments};
+pub(crate) use files::{FileChoice, NewArguments, SchemaArguments};
+pub(crate) use global::GlobalArguments;
+pub(crate) use shell::{CompletionsArguments, ManArguments};
 
 use crate::revision::REVISION;
 use clap::{Args, Parser, Subcommand, ValueEnum};

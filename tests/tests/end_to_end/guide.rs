@@ -37,7 +37,10 @@ fn recipes_run() {
     let mut files = 0;
     for text in blocks(&page, "toml") {
         let Some(name) = text.lines().next().and_then(|line| line.strip_prefix("# ")) else { continue };
-        let small = text.replace("[320, 240]", "[24, 18]").replace("spheres = 32", "spheres = 2");
+        let small = text
+            .replace("[320, 240]", "[24, 18]")
+            .replace("spheres = 32", "spheres = 2")
+            .replace("0, 10, 20, 30", "0, 30");
         write(here.path(), name, small.replace("samples = 256", "samples = 16"));
         files += 1;
     }
@@ -49,7 +52,7 @@ fn recipes_run() {
         assert!(!shown.contains("failed") && !shown.contains("unsupported"), "{command}: {shown}");
     }
     let rows = fs::read_to_string(here.path().join("drops.csv")).expect("rows").lines().count();
-    assert_eq!(rows, 1 + 4 * 3);
+    assert_eq!(rows, 1 + 2 * 3);
     assert!(here.path().join("bunny.png").exists() && here.path().join("out/compare-bunny/report.html").exists());
 }
 
@@ -83,7 +86,7 @@ fn templates_name_every_key_and_run() {
     let experiment = Experiment::load(&here.path().join("experiment.toml")).expect("a sound template");
     assert!(experiment.timing.is_some() && experiment.pictures.is_some());
     let text = fs::read_to_string(here.path().join("experiment.toml")).expect("a template");
-    write(here.path(), "small.toml", text.replace("[320, 240]", "[24, 18]"));
+    write(here.path(), "small.toml", text.replace("[320, 240]", "[24, 18]").replace("bands = [3, 4]", "bands = 2"));
     let shown = stdout(halfshade(here.path()).args(["run", "small.toml", "--quick"]));
     assert!(shown.contains("Verdict") && !shown.contains("unsupported"), "{shown}");
 }
@@ -133,7 +136,7 @@ fn mistakes(schema: &Value, value: &Value, path: &str) -> Vec<String> {
         }
         (Some("number"), Value::Number(number)) if !number.as_f64().is_some_and(outside) => Vec::new(),
         (Some("string"), Value::String(_)) | (Some("boolean"), Value::Bool(_)) => Vec::new(),
-        (None, Value::String(_)) if !words.is_empty() => Vec::new(),
+        (None, _) => Vec::new(),
         _ => wrong("another type"),
     }
 }

@@ -27,17 +27,20 @@ pub(super) fn first_mistake(schema: &Value, document: &Spanned<DeTable<'_>>) -> 
 /// Checks every key of a table, which errors call `name`.
 fn check_table(schema: &Value, name: &str, span: Range<usize>, table: &DeTable<'_>, found: &mut Vec<Mistake>) {
     let Some(properties) = schema["properties"].as_object() else { return };
+    let mut has_unknown = false;
     for (key, value) in table {
         match (properties.get(key.get_ref().as_ref()), &schema["additionalProperties"]) {
             (Some(schema), _) => check(schema, key.get_ref(), value, found),
             (None, Value::Bool(false)) => {
                 let problem = unknown("key", key.get_ref(), properties.keys().map(String::as_str));
                 found.push(Mistake { span: key.span(), problem });
+                has_unknown = true;
             }
             (None, others) => check(others, key.get_ref(), value, found),
         }
     }
-    let needed = schema["required"].as_array().into_iter().flatten().filter_map(Value::as_str);
+    // What is missing may be what is misspelled.
+    let needed = schema["required"].as_array().filter(|_| !has_unknown).into_iter().flatten().filter_map(Value::as_str);
     found.extend(needed.filter(|key| !table.contains_key(*key)).map(|key| {
         let summary = properties[key]["description"].as_str().map(first_sentence);
         let problem = format!("{name} needs the key `{key}`{}", summary.map_or(String::new(), |it| format!(" ({it})")));

@@ -15,7 +15,7 @@ fn collect(path: &str, heading: &str, schema: &Value, sections: &mut Vec<String>
     let Some(properties) = schema["properties"].as_object() else { return };
     let needed = |key: &str| schema["required"].as_array().is_some_and(|needed| needed.iter().any(|it| it == key));
     let mut text = format!("**{heading}**");
-    if let Some(description) = schema["description"].as_str() {
+    if let Some(description) = schema["description"].as_str().filter(|_| !path.is_empty()) {
         text += &format!(": {}", lower_first(&one_line(description)));
     }
     text += "\n\n| key | value | meaning |\n| --- | --- | --- |\n";

@@ -74,6 +74,7 @@ fn mistakes_are_told_in_words_of_the_file() {
         ("bands = 99999999999999999999", "f.toml:2:9: `bands` = 99999999999999999999 must be from 1 to 8"),
         ("bands = 4.5", "f.toml:2:9: `bands` must be a whole number, not 4.5"),
         ("bands = \"four\"", "f.toml:2:9: `bands` must be a whole number, not the text \"four\""),
+        ("light = { radianec = [1, 1, 1] }", "f.toml:2:11: unknown key `radianec` (did you mean `radiance`?)"),
         ("seed = -1", "f.toml:2:8: `seed` = -1 must be from 0 to 4294967295"),
         ("seed = 5e9", "f.toml:2:8: `seed` must be a whole number, not 5e9"),
         ("light = 3", "f.toml:2:9: `light` must be a table, not 3"),
@@ -88,7 +89,7 @@ fn mistakes_are_told_in_words_of_the_file() {
         ("[[way]]\nsteps = 1", "f.toml:3:9: `steps` must be a list of whole numbers, not 1"),
         ("[[way]]\nsteps = []\nloud = 1979-05-27", "f.toml:4:8: `loud` must be true or false, not the date 1979-05-27"),
         ("name = \"y\"", "f.toml:2:1: duplicate key"),
-        ("bands = ", "f.toml:2:8: "),
+        ("bands = ", "f.toml:2:9: string values must be quoted"),
     ];
     for (text, expected) in mistakes {
         let told = told(text);

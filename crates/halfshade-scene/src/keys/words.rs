@@ -29,11 +29,10 @@ pub(super) fn range(schema: &Value) -> String {
 /// What is expected, with its article: `a list of 3 numbers`.
 pub(super) fn expected(schema: &Value) -> String {
     if let Some(words) = choices(schema) {
-        let quoted: Vec<String> = words.iter().map(|word| format!("\"{word}\"")).collect();
-        return quoted.join(" or ");
+        return either(words.iter().map(|word| format!("\"{word}\"")).collect());
     }
     if let Some(alternatives) = schema["anyOf"].as_array() {
-        return alternatives.iter().map(expected).collect::<Vec<_>>().join(" or ");
+        return either(alternatives.iter().map(expected).collect());
     }
     match schema["type"].as_str() {
         Some("string") => "a text in quotes".into(),
@@ -52,10 +51,16 @@ pub(super) fn expected(schema: &Value) -> String {
     }
 }
 
+/// `a`, `a or b`, `a, b or c`.
+fn either(mut choices: Vec<String>) -> String {
+    let last = choices.pop().unwrap_or_default();
+    if choices.is_empty() { last } else { format!("{} or {last}", choices.join(", ")) }
+}
+
 /// What is expected, several times.
 fn many(schema: &Value) -> String {
     if choices(schema).is_some() || schema.get("anyOf").is_some() {
-        return format!("any of {}", expected(schema).replace(" or ", ", "));
+        return format!("any of {}", expected(schema));
     }
     let plural = match schema["type"].as_str() {
         Some("string") => "texts in quotes",
