@@ -33,7 +33,7 @@ fn dependencies() -> BTreeMap<String, Vec<String>> {
     packages().iter().map(|package| (package["name"].as_str().expect("a name").to_owned(), of(package))).collect()
 }
 
-/// What a registry asks for, of all that isn't for tests alone.
+/// Facts that a registry asks for, of all that isn't for tests alone.
 #[test]
 fn every_crate_says_what_it_is() {
     for package in packages().iter().filter(|package| package["name"] != "halfshade-tests") {

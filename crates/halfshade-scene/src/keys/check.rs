@@ -39,7 +39,7 @@ fn check_table(schema: &Value, name: &str, span: Range<usize>, table: &DeTable<'
             (None, others) => check(others, key.get_ref(), value, found),
         }
     }
-    // What is missing may be what is misspelled.
+    // A missing key may be the one that is misspelled.
     let needed = schema["required"].as_array().filter(|_| !has_unknown).into_iter().flatten().filter_map(Value::as_str);
     found.extend(needed.filter(|key| !table.contains_key(*key)).map(|key| {
         let summary = properties[key]["description"].as_str().map(first_sentence);

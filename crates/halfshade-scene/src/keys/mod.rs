@@ -22,7 +22,7 @@ use toml::de::DeTable;
 /// The value that a file's `text` stands for.
 ///
 /// # Errors
-/// What is no TOML, what the schema of `T` doesn't allow, and what `T` refuses; at its place, without the file's name.
+/// Text that is no TOML, what the schema of `T` doesn't allow, and what `T` refuses; at its place, without the file's name.
 pub fn parse<T: DeserializeOwned + JsonSchema>(text: &str) -> Result<T, SceneError> {
     let located = |error: toml::de::Error| {
         let problem = SceneError::new(error.message().trim());

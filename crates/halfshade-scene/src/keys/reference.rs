@@ -35,7 +35,7 @@ fn collect(path: &str, heading: &str, schema: &Value, sections: &mut Vec<String>
 
 fn row(key: &str, property: &Value, is_needed: bool) -> String {
     let mut meaning = one_line(property["description"].as_str().unwrap_or_default());
-    // Of lists, the words of what they list.
+    // A list has the words of its items.
     for choice in [property, &property["items"]].into_iter().flat_map(|it| it["oneOf"].as_array().into_iter().flatten())
     {
         let (word, summary) = (choice["const"].as_str(), choice["description"].as_str());

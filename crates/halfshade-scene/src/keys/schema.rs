@@ -34,7 +34,7 @@ fn for_toml(schema: &mut Schema) {
             && let Value::Object(only) = choices.remove(0)
         {
             schema.remove("anyOf");
-            // What is said of the key counts more than what is said of its type.
+            // The key's own words count more than those of its type.
             only.into_iter().for_each(|(key, value)| {
                 if schema.get(&key).is_none() {
                     schema.insert(key, value);

@@ -47,7 +47,7 @@ struct Way {
     loud: Option<bool>,
 }
 
-/// What a file with `text` behind a name is told, without the excerpt.
+/// The error of a file with `text` behind a name, without the excerpt.
 fn told(text: &str) -> String {
     let error = parse::<File>(&format!("name = \"x\"\n{text}")).unwrap_err().in_file("f.toml").to_string();
     assert!(error.contains("\n  |\n") && error.ends_with('^'), "{error}");

@@ -1,4 +1,4 @@
-//! What a schema asks for, in words of people who write files.
+//! The values that a schema asks for, in words of people who write files.
 
 use serde_json::Value;
 
@@ -26,7 +26,7 @@ pub(super) fn range(schema: &Value) -> String {
     }
 }
 
-/// What is expected, with its article: `a list of 3 numbers`.
+/// The value that is expected, with its article: `a list of 3 numbers`.
 pub(super) fn expected(schema: &Value) -> String {
     if let Some(words) = choices(schema) {
         return either(words.iter().map(|word| format!("\"{word}\"")).collect());
@@ -57,7 +57,7 @@ fn either(mut choices: Vec<String>) -> String {
     if choices.is_empty() { last } else { format!("{} or {last}", choices.join(", ")) }
 }
 
-/// What is expected, several times.
+/// The values that are expected, several of a kind.
 fn many(schema: &Value) -> String {
     if choices(schema).is_some() || schema.get("anyOf").is_some() {
         return format!("any of {}", expected(schema));
