@@ -5,6 +5,9 @@ override PARTS: u32 = 4u;
 // Vectors of a vertex: one for all channels, or one each.
 override CHANNELS: u32 = 1u;
 
+// Number of local lights: with any, every receiver has light of its own.
+override LAMPS: u32 = 0u;
+
 struct Frame {
     // Light by channel and four coefficients, filled up with zeros: red, green, blue.
     light: array<vec4f, 48>,
@@ -30,6 +33,17 @@ struct Between {
 @group(1) @binding(1) var<storage, read> rows: array<vec4f>;
 @group(1) @binding(2) var<storage, read> points: array<Between>;
 
+// Light of the receiver, as that of the frame, where it has its own.
+var<private> receiver_light: array<vec4f, 48>;
+
+// Four coefficients of light.
+fn light_part(place: u32) -> vec4f {
+    if (LAMPS > 0u) {
+        return receiver_light[place];
+    }
+    return frame.light[place];
+}
+
 // Four numbers of the interpolated vector.
 fn transfer_part(between: Between, part: u32) -> vec4f {
     return between.weights.x * rows[between.rows.x + part] + between.weights.y * rows[between.rows.y + part]
@@ -48,9 +62,9 @@ fn transfer_dot(between: Between) -> vec3f {
             blue = transfer_part(between, 2u * PARTS + part);
         }
         radiance += vec3f(
-            dot(frame.light[part], red),
-            dot(frame.light[16u + part], green),
-            dot(frame.light[32u + part], blue),
+            dot(light_part(part), red),
+            dot(light_part(16u + part), green),
+            dot(light_part(32u + part), blue),
         );
     }
     return radiance;

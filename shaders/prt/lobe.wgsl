@@ -22,9 +22,9 @@ fn matrix_row_dot(matrix: u32, row: u32) -> vec3f {
             blue = rows[first + 2u * size + part];
         }
         sums += vec3f(
-            dot(frame.light[part], red),
-            dot(frame.light[16u + part], green),
-            dot(frame.light[32u + part], blue),
+            dot(light_part(part), red),
+            dot(light_part(16u + part), green),
+            dot(light_part(32u + part), blue),
         );
     }
     return sums;

@@ -5,6 +5,7 @@
 #import "shadow_field/light_order.wgsl"
 #import "shadow_field/light_product.wgsl"
 #import "shadow_field/occlusion.wgsl"
+#import "shared/light_cap.wgsl"
 
 // Whether own occlusion holds the cosine.
 override OWN_IS_PROJECTED: bool = false;
@@ -58,7 +59,8 @@ fn gathered(receiver: Receiver, bound: Bound) -> vec3f {
             past_all = transfer;
             radiance += distant_light(transfer);
         } else {
-            radiance += light.radiance * sh_dot(light_cap(light, seen), transfer);
+            let cap = light_cap(seen.offset, seen.distance_squared, seen.is_around, light.radius);
+            radiance += light.radiance * sh_dot(cap, transfer);
         }
     }
     return radiance;

@@ -1,105 +1,14 @@
 //! The table of kernels: which shader is the twin of which code, and how closely.
 
-use crate::shader;
+mod transfer;
+mod twin;
 
-/// A kernel in WGSL and its twin on the CPU.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Kernel {
-    /// Name.
-    pub name: &'static str,
-    /// File in `shaders/`, with an entry point `main`.
-    pub shader: &'static str,
-    /// Files whose functions it is made of, each with its twin on the CPU.
-    pub twins: &'static [Twin],
-    /// Buffers that it reads and writes, group by group.
-    pub buffers: &'static [&'static [&'static str]],
-}
+pub use transfer::{PRT, PRT_CLUSTERS, PRT_LAMPS};
+pub use twin::{Kernel, Missing, Twin};
 
-/// A WGSL file and the Rust whose numbers it gives.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Twin {
-    /// File in `shaders/`.
-    pub shader: &'static str,
-    /// The code on the CPU.
-    pub cpu: &'static str,
-    /// Largest difference, as a share of the largest value that the function takes.
-    pub tolerance: f64,
-    /// Why not less.
-    pub reason: &'static str,
-}
-
-/// Work of the CPU that has no kernel on graphics hardware yet.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Missing {
-    /// The code on the CPU.
-    pub cpu: &'static str,
-    /// A way without it.
-    pub instead: &'static str,
-}
-
-impl Kernel {
-    /// Its whole WGSL; `bands` for kernels of SH vectors.
-    pub fn code(&self, bands: Option<usize>) -> String {
-        shader::module(self.shader, bands)
-    }
-}
-
-const RECEIVERS: &[&str] = &["places", "albedos", "placements", "radiances"];
-
-const TANGENT_PLANE: Twin = Twin {
-    shader: "shared/tangent_plane.wgsl",
-    cpu: "halfshade_strategies::shared::tangent_plane",
-    tolerance: 2e-5,
-    reason: "square roots next to the tangent plane magnify rounding",
-};
-
-const OCTAHEDRAL: Twin = Twin {
-    shader: "common/octahedral.wgsl",
-    cpu: "halfshade_scene::light::OctahedralGrid::lookup_batch",
-    tolerance: 2e-5,
-    reason: "the place in a cell is a difference of numbers as large as the grid",
-};
-
-const CAP: Twin = Twin {
-    shader: "common/cap.wgsl",
-    cpu: "halfshade_scene::light::cap_irradiance",
-    tolerance: 1e-4,
-    reason: "double precision on the CPU; atan2 may err by 4096 units in the last place",
-};
-
-const REST_IRRADIANCE: Twin = Twin {
-    shader: "shared/irradiance.wgsl",
-    cpu: "halfshade_strategies::shared::irradiance",
-    tolerance: 2e-5,
-    reason: "that of the place in a cell",
-};
-
-const PLACED_LAMPS: Twin = Twin {
-    shader: "shared/placed_lamps.wgsl",
-    cpu: "halfshade_strategies::shared::placed_lamps",
-    tolerance: 1e-4,
-    reason: "that of the cap",
-};
-
-const REFLECTANCE: Twin = Twin {
-    shader: "common/reflectance.wgsl",
-    cpu: "halfshade_scene::Reflectance::lobes",
-    tolerance: 1e-4,
-    reason: "double precision on the CPU; a power magnifies by its exponent what log may err: 5e-7 next to 1",
-};
-
-const EYE_LOBES: Twin = Twin {
-    shader: "common/eye_lobes.wgsl",
-    cpu: "halfshade_scene::EyeLobes",
-    tolerance: 1e-4,
-    reason: "that of the reflectance",
-};
-
-const NEAR_ZERO: Twin = Twin {
-    shader: "common/near_zero.wgsl",
-    cpu: "f64::exp_m1 and f64::ln_1p",
-    tolerance: 1e-6,
-    reason: "rounding; exp and log may err by a few units in the last place",
+use twin::{
+    CAP, EYE_LOBES, LIGHT_CAP, NEAR_ZERO, OCTAHEDRAL, PLACED_LAMPS, RECEIVERS, REFLECTANCE, REST_IRRADIANCE,
+    TANGENT_PLANE,
 };
 
 /// Light without visibility.
@@ -330,9 +239,10 @@ pub const SHADOW_FIELD: Kernel = Kernel {
         Twin {
             shader: "shadow_field/light_product.wgsl",
             cpu: "halfshade_strategies::shadow_field::kernel::light_product",
-            tolerance: 2e-5,
-            reason: "a table on the CPU, its formula on the device",
+            tolerance: 5e-6,
+            reason: "sums in another order",
         },
+        LIGHT_CAP,
         Twin {
             shader: "shared/cosine_power.wgsl",
             cpu: "halfshade_strategies::shared::cosine_power",
@@ -445,58 +355,30 @@ pub const ANALYTIC: Kernel = Kernel {
     buffers: &[RECEIVERS, &["frame", "rows", "tables"]],
 };
 
-/// Transfer times light.
-pub const PRT: Kernel = Kernel {
-    name: "prt",
-    shader: "prt/shade.wgsl",
-    twins: &[
-        REFLECTANCE,
-        EYE_LOBES,
-        NEAR_ZERO,
-        Twin {
-            shader: "prt/dot.wgsl",
-            cpu: "halfshade_strategies::prt::kernel::dot",
-            tolerance: 1e-6,
-            reason: "sums in another order",
-        },
-        Twin {
-            shader: "prt/lobe.wgsl",
-            cpu: "halfshade_strategies::prt::kernel::lobe",
-            tolerance: 2e-5,
-            reason: "factors of a fit are up to a hundred times what they add up to",
-        },
-        Twin {
-            shader: "prt/gloss.wgsl",
-            cpu: "halfshade_strategies::prt::shade::gloss",
-            tolerance: 1e-4,
-            reason: "that of the reflectance",
-        },
-    ],
-    buffers: &[RECEIVERS, &["frame", "rows", "points"]],
-};
-
-/// Compressed transfer times light.
-pub const PRT_CLUSTERS: Kernel = Kernel {
-    name: "prt-clusters",
-    shader: "prt/shade_clusters.wgsl",
-    twins: &[Twin {
-        shader: "prt/decode.wgsl",
-        cpu: "halfshade_strategies::prt::kernel::decode",
-        tolerance: 1e-6,
-        reason: "sums in another order",
-    }],
-    buffers: &[RECEIVERS, &["frame", "row_weights", "points", "products"]],
-};
-
 /// All kernels.
-pub const KERNELS: &[Kernel] =
-    &[UNSHADOWED, RAY_TRACED, RAY_TRACED_FILTER, SH_EXP, SH_EXP_EMIT, SHADOW_FIELD, MASK, ANALYTIC, PRT, PRT_CLUSTERS];
+pub const KERNELS: &[Kernel] = &[
+    UNSHADOWED,
+    RAY_TRACED,
+    RAY_TRACED_FILTER,
+    SH_EXP,
+    SH_EXP_EMIT,
+    SHADOW_FIELD,
+    MASK,
+    ANALYTIC,
+    PRT,
+    PRT_LAMPS,
+    PRT_CLUSTERS,
+];
 
 /// All that has none.
 pub const MISSING: &[Missing] = &[
     Missing { cpu: "halfshade_strategies::sh_exp::kernel::traced", instead: "exp=hybrid or device `cpu`" },
     Missing { cpu: "halfshade_strategies::shadow_field::shade::haar", instead: "basis=sh or device `cpu`" },
     Missing { cpu: "halfshade_strategies::shadow_field::shade::traced", instead: "sampling=adaptive or device `cpu`" },
+    Missing {
+        cpu: "halfshade_strategies::prt::kernel::lamps::between_points",
+        instead: "lamp-steps=0 or device `cpu`",
+    },
     Missing { cpu: "halfshade_strategies::prt::kernel::volume", instead: "moving=refuse or device `cpu`" },
     Missing { cpu: "halfshade_strategies::cosine_lobe", instead: "device `cpu`" },
 ];

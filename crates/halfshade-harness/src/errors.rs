@@ -16,6 +16,8 @@ pub struct Reference {
     pub draws: Vec<RadianceBuffer>,
     /// Mean over receivers, by weight, and channels of the radiance with every blocker taken away.
     pub unshadowed_mean: f64,
+    /// The same of each receiver; empty where it isn't known, so that the mean counts as exact.
+    pub unshadowed: Arc<[f32]>,
     /// How much each receiver counts.
     pub weights: Arc<ReceiverWeights>,
     /// The kind of object that hides the light at each receiver; empty unless errors are told by class.
@@ -26,7 +28,8 @@ impl Reference {
     /// One without noise whose receivers count by `weights`.
     pub fn exact(radiance: RadianceBuffer, unshadowed_mean: f64, weights: Arc<ReceiverWeights>) -> Self {
         let standard_error = RadianceBuffer::zeros(radiance.len());
-        Self { radiance, standard_error, draws: Vec::new(), unshadowed_mean, weights, hiders: Arc::default() }
+        let (draws, unshadowed, hiders) = (Vec::new(), Arc::default(), Arc::default());
+        Self { radiance, standard_error, draws, unshadowed_mean, unshadowed, weights, hiders }
     }
 
     /// Root mean square of the standard error.
@@ -85,7 +88,17 @@ impl Errors<'_> {
         std::array::from_fn(|c| of(self.radiance, c) - of(&self.reference.radiance, c))
     }
 
-    /// The same with what the truth's noise adds to its square on average taken off, as far as there is any.
+    /// Mean over channels of e² − s²: the square of the error without what the truth's noise adds to it on average.
+    pub(crate) fn square_at(&self, i: usize) -> f64 {
+        self.at(i).iter().map(|e| e * e).sum::<f64>() / 3.0 - square(&self.reference.standard_error, i)
+    }
+
+    /// Share of the channels of the strategy's radiance that are below 0.
+    pub(crate) fn negative_at(&self, i: usize) -> f64 {
+        self.radiance.channels.iter().filter(|channel| channel[i] < 0.0).count() as f64 / 3.0
+    }
+
+    /// Errors with what the truth's noise adds to their squares on average taken off, as far as there is any.
     pub(crate) fn shrunk(&self, i: usize) -> [f64; 3] {
         let e = self.at(i);
         std::array::from_fn(|c| {

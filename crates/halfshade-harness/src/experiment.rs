@@ -26,9 +26,10 @@ mod scene_sweep;
 pub use compose::Comparison;
 pub use kinds::{ReceiverKind, ReferenceKind};
 pub(crate) use only::name_of;
+pub use scene_sweep::Sweep;
 
 use crate::threads::MAX_THREADS;
-use crate::{Device, HarnessError, Weighting};
+use crate::{Device, HarnessError, Weighting, stability::StabilityFigures};
 use halfshade_scene::{
     SceneError, SphereFit,
     file::Change,
@@ -86,6 +87,8 @@ pub struct Experiment {
     /// Whether strategies are asked for figures that only they have, such as the resolution that they chose.
     #[serde(default)]
     pub details: bool,
+    /// Bounds on how strategies behave at extremes, for a table that says where they hold. Without it, there is none.
+    pub stability: Option<Spanned<StabilityFigures>>,
     /// Whether errors are taken apart by the stages of each method: each is made exact in turn.
     #[serde(default)]
     pub stages: bool,
@@ -151,7 +154,7 @@ pub struct SceneEntry {
     /// Keys are environment, still, bounces, resolution, spheres, fit, or paths into a scene file.
     #[serde(default, deserialize_with = "scene_sweep::lists")]
     #[schemars(schema_with = "scene_sweep::schema_of_lists")]
-    pub sweep: Vec<(String, Spanned<Vec<toml::Value>>)>,
+    pub sweep: Sweep,
     /// Published figures to stand beside ours.
     #[serde(default)]
     pub published: Vec<Published>,
@@ -340,6 +343,13 @@ impl Experiment {
             (Some(_), None) | (None, Some(_)) => {}
             _ => return error("[truth] needs either `samples` or `relative_noise`"),
         }
+        if let Some(bounds) = &self.stability
+            && let Some((name, _)) =
+                bounds.get_ref().all().into_iter().find(|(_, bound)| !(0.0..=f64::MAX).contains(bound))
+        {
+            let problem = format!("stability: {name} must be finite and not negative");
+            return Err(self.error_at(bounds.span(), problem));
+        }
         for scene in &self.scenes {
             if let Some(published) =
                 scene.published.iter().find(|p| !(p.frames_per_sec > 0.0 && p.frames_per_sec.is_finite()))
@@ -389,6 +399,12 @@ pub(crate) mod tests {
             "{weights}"
         );
         assert!(error(&SMALL.replace("samples = 8", "")).contains("either `samples` or `relative_noise`"));
+        let bounds = SMALL.replace(
+            "[truth]",
+            "stability = { worst_error = 0.5, negative_share = nan, energy_gained = 0, jump = 0.1 }\n[truth]",
+        );
+        let bounds = error(&bounds);
+        assert!(bounds.starts_with("e.toml:3:") && bounds.contains("negative_share must be finite"), "{bounds}");
         for samples in ["samples = 4000000000", "samples = 4e9", "relative_noise = 0", "relative_noise = nan"] {
             let absurd = error(&SMALL.replace("samples = 8", samples));
             assert!(absurd.starts_with("e.toml:4:"), "{samples}: {absurd}");

@@ -9,6 +9,7 @@
 //! - `rel_rmse` = rmse / mean of the unshadowed radiance; not defined where that mean is 0 or below the smallest normal
 //!   number of single precision, 1.2e-38;
 //! - `*_noise`: one standard deviation of each figure under a new seed of the truth (see `noise.rs`);
+//! - `intervals`: where each figure lies with 95 %, with receivers drawn anew and the truth's noise (see `intervals.rs`);
 //! - `negative` is the share of the strategy's values below 0: ringing, which no light has;
 //! - `resolved` is false where rmse is below the root mean square of s, or mean e² − mean s² within three of its own
 //!   standard deviations of 0: the truth has too few samples to tell. Neither assumes normal errors.
@@ -17,6 +18,8 @@
 
 use crate::{
     errors::{Errors, Reference, square, tail_percentile},
+    intervals::{Figures, Intervals, intervals},
+    left_out::LeftOut,
     noise::noise,
     weights::ReceiverWeights,
 };
@@ -67,13 +70,19 @@ pub struct Metrics {
     pub negative: Option<f64>,
     /// Whether the truth can tell this error from none.
     pub resolved: bool,
+    /// 95 % intervals, of receivers drawn anew and of the truth's noise; missing of few receivers and in results of older versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub intervals: Option<Intervals>,
+    /// `rmse` without each of as many groups of receivers, for ratios to others; missing of few receivers and of classes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rmse_without: Option<LeftOut>,
 }
 
 impl Metrics {
     /// All figures that there are, by name.
     pub fn figures(&self) -> Vec<(&'static str, f64)> {
         let Self { rmse, rel_rmse, bias, mae, p95, p99, max, rmse_noise, .. } = *self;
-        let Self { bias_noise, mae_noise, p95_noise, p99_noise, max_noise, negative, resolved: _, .. } = *self;
+        let Self { bias_noise, mae_noise, p95_noise, p99_noise, max_noise, negative, .. } = *self;
         let optional = [
             ("rel_rmse", rel_rmse),
             ("bias_noise", bias_noise),
@@ -108,39 +117,48 @@ pub fn relative(value: f64, unshadowed_mean: f64) -> Option<f64> {
 
 /// Compares `radiance` with `reference`. `None` if there is nothing to compare, or the lengths differ.
 pub fn compare(radiance: &RadianceBuffer, reference: &Reference) -> Option<Metrics> {
-    compare_weighted(radiance, reference, &reference.weights)
+    let errors = Errors { radiance, reference, weights: &reference.weights };
+    let metrics = compare_weighted(&errors)?;
+    Some(Metrics { rmse_without: LeftOut::of(&errors), ..metrics })
 }
 
 /// The same over receivers of one class; `None` if there is none.
 pub fn compare_class(radiance: &RadianceBuffer, reference: &Reference, class: Hider) -> Option<(f64, Metrics)> {
     let weights = reference.weights.only(|i| reference.hiders.get(i) == Some(&class))?;
-    let metrics = compare_weighted(radiance, reference, &weights)?;
+    let metrics = compare_weighted(&Errors { radiance, reference, weights: &weights })?;
     Some((weights.total() / reference.weights.total(), metrics))
 }
 
-fn compare_weighted(radiance: &RadianceBuffer, reference: &Reference, weights: &ReceiverWeights) -> Option<Metrics> {
+fn compare_weighted(errors: &Errors<'_>) -> Option<Metrics> {
+    let Errors { radiance, reference, weights } = *errors;
     let lengths = [reference.radiance.len(), reference.standard_error.len(), weights.values().len()];
     if radiance.is_empty() || lengths.iter().any(|length| *length != radiance.len()) {
         return None;
     }
-    let errors = Errors { radiance, reference, weights };
     let channels = |i: usize, of: fn(f64) -> f64| errors.at(i).map(of).iter().sum::<f64>() / 3.0;
-    let mean_square = weights.mean(|i| channels(i, |e| e * e));
     let noise_square = weights.mean(|i| square(&reference.standard_error, i));
-    let corrected = mean_square - noise_square;
-    let rmse = corrected.max(0.0).sqrt();
     let mut absolute: Vec<(f64, f64)> =
         errors.counted().flat_map(|(i, weight)| errors.at(i).map(|e| (e.abs(), weight))).collect();
     absolute.par_sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
     let total = 3.0 * weights.total();
-    let noise = noise(&errors);
-    Some(Metrics {
-        rmse,
-        rel_rmse: relative(rmse, reference.unshadowed_mean),
+    let figures = Figures {
+        mean_square: weights.mean(|i| channels(i, |e| e * e)) - noise_square,
         bias: weights.mean(|i| channels(i, |e| e)),
         mae: weights.mean(|i| channels(i, f64::abs)),
         p95: tail_percentile(&absolute, total, 0.95)?,
         p99: tail_percentile(&absolute, total, 0.99)?,
+        negative: weights.mean(|i| errors.negative_at(i)),
+        unit: relative(1.0, reference.unshadowed_mean).map(|_| reference.unshadowed_mean),
+    };
+    let noise = noise(errors);
+    let rmse = figures.mean_square.max(0.0).sqrt();
+    Some(Metrics {
+        rmse,
+        rel_rmse: relative(rmse, reference.unshadowed_mean),
+        bias: figures.bias,
+        mae: figures.mae,
+        p95: figures.p95,
+        p99: figures.p99,
         max: absolute.first()?.0,
         // Near rmse = 0 the linear propagation breaks down: the fourth root of the variance bounds it there.
         rmse_noise: (noise.mean_square / (2.0 * rmse).max(f64::MIN_POSITIVE)).min(noise.mean_square.sqrt()),
@@ -149,15 +167,13 @@ fn compare_weighted(radiance: &RadianceBuffer, reference: &Reference, weights: &
         p95_noise: Some(noise.p95),
         p99_noise: Some(noise.p99),
         max_noise: Some(noise.max),
-        negative: Some(negative_share(radiance, weights)),
-        resolved: rmse > 0.0 && rmse >= noise_square.sqrt() && corrected >= RESOLVING_SIGMAS * noise.mean_square,
+        negative: Some(figures.negative),
+        resolved: rmse > 0.0
+            && rmse >= noise_square.sqrt()
+            && figures.mean_square >= RESOLVING_SIGMAS * noise.mean_square,
+        intervals: intervals(errors, &figures, &absolute),
+        rmse_without: None,
     })
-}
-
-/// Share of the values that are below 0.
-fn negative_share(radiance: &RadianceBuffer, weights: &ReceiverWeights) -> f64 {
-    let negative = |i: usize| radiance.channels.iter().filter(|channel| channel[i] < 0.0).count();
-    weights.mean(|i| negative(i) as f64 / 3.0)
 }
 
 #[cfg(test)]

@@ -133,7 +133,7 @@ fn of_largest(errors: &Errors<'_>) -> [f64; 3] {
 }
 
 /// Bits that depend on the round and the receiver alone (the finalizer of splitmix64).
-fn random(round: u64, receiver: u64) -> u64 {
+pub(crate) fn random(round: u64, receiver: u64) -> u64 {
     let mut bits = (round << 40 ^ receiver).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     bits = (bits ^ bits >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     bits = (bits ^ bits >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);

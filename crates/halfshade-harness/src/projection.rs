@@ -57,6 +57,17 @@ impl Projection {
         (receivers, Self { width, height, supersample: 1, samples })
     }
 
+    /// Pairs of receivers of pixels side by side, and one above the other; those of [`Self::of_pixels`].
+    pub(crate) fn neighbours(&self) -> Vec<[u32; 2]> {
+        let receiver = |column: usize, row: usize| {
+            let sample = self.samples.get(row * self.width + column).filter(|_| column < self.width);
+            sample.copied().flatten().map(|([receiver, ..], _)| receiver)
+        };
+        let pixels = (0..self.height).flat_map(|row| (0..self.width).map(move |column| (column, row)));
+        let pairs = pixels.flat_map(|(column, row)| [(column, row, column + 1, row), (column, row, column, row + 1)]);
+        pairs.filter_map(|(column, row, next, below)| Some([receiver(column, row)?, receiver(next, below)?])).collect()
+    }
+
     /// Whether the camera sees no receiver at all.
     pub fn is_empty(&self) -> bool {
         self.samples.iter().all(Option::is_none)
@@ -116,6 +127,15 @@ mod tests {
             let rows: Vec<_> = (0..height).flat_map(|row| (0..width).map(move |column| [column, row])).collect();
             assert_eq!(pixels, rows);
         }
+    }
+
+    #[test]
+    fn neighbours_lie_side_by_side_or_above_each_other() {
+        let sample = |receiver: u32| Some(([receiver; 3], Vec3::X));
+        // Three columns and two rows; nothing is hit in the middle of the upper.
+        let samples = vec![sample(0), None, sample(1), sample(2), sample(3), sample(4)];
+        let projection = Projection { width: 3, height: 2, supersample: 1, samples };
+        assert_eq!(projection.neighbours(), [[0, 2], [1, 4], [2, 3], [3, 4]]);
     }
 
     #[test]

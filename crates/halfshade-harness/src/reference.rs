@@ -102,15 +102,13 @@ impl ReferenceTracer<'_> {
             },
         )?;
         let buffer = |channels| RadianceBuffer { channels };
+        let unshadowed_mean = weights.mean(|i| stored.unshadowed.get(i).map_or(0.0, |&mean| f64::from(mean)));
         let reference = Reference {
             standard_error: buffer(stored.standard_error),
             draws: stored.draws.into_iter().map(buffer).collect(),
             hiders,
-            ..Reference::exact(
-                buffer(stored.radiance),
-                weights.mean(|i| stored.unshadowed.get(i).map_or(0.0, |&mean| f64::from(mean))),
-                weights,
-            )
+            unshadowed: stored.unshadowed.into(),
+            ..Reference::exact(buffer(stored.radiance), unshadowed_mean, weights)
         };
         let place = format!("scene `{}`, frame {index}, reference `{kind}`", scene.name);
         let values = [&reference.radiance, &reference.standard_error];

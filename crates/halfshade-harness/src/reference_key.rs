@@ -97,7 +97,9 @@ fn of_mesh(key: CacheKey, mesh: &Mesh) -> CacheKey {
 }
 
 fn of_material(key: CacheKey, material: &Material) -> CacheKey {
-    let Material { albedo, texture, reflectance, gloss_variation } = material;
+    let Material { albedo, texture, reflectance, gloss_variation, subsurface } = material;
+    // Without a medium keys are what they were before there was any.
+    let key = subsurface.iter().fold(key, |key, medium| key.value(medium));
     let key = key.value(&(albedo, texture.as_deref(), reflectance, gloss_variation.is_some()));
     match gloss_variation.as_deref() {
         None => key,
@@ -112,7 +114,8 @@ mod tests {
     use super::*;
     use glam::{DVec2, Quat, Vec2, Vec3};
     use halfshade_scene::{
-        Deformed, Gloss, LafortuneLobe, ReceiverBuffer, Reflectance, Sphere, SphereLight, SphereSet, builtin,
+        Deformed, Gloss, LafortuneLobe, ReceiverBuffer, Reflectance, Sphere, SphereLight, SphereSet, Subsurface,
+        builtin,
         light::{EnvironmentMap, Sun},
         spheres::AdjustRule,
         texture::{Filter, Wrap},
@@ -255,6 +258,14 @@ mod tests {
             }),
             ("modified phong", |p| {
                 p.material().reflectance = Reflectance::ModifiedPhong { specular: Vec3::splat(0.1), exponent: 3.0 };
+            }),
+            ("medium", |p| {
+                let coefficients = Vec3::new(1.0, 2.0, 3.0);
+                p.material().subsurface = Some(Subsurface {
+                    absorption: coefficients,
+                    reduced_scattering: 10.0 * coefficients,
+                    refractive_index: 1.3,
+                });
             }),
             ("no variation", |p| p.material().gloss_variation = None),
             ("gloss of vertices", |p| p.variation().vertices[3].exponent = 0.5),

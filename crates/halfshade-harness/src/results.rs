@@ -7,8 +7,13 @@ mod seal;
 mod validity;
 
 use crate::{
-    Device, Part, Published, ReceiverKind, classes::ClassError, image_metrics::Similarity, metrics::Metrics,
-    statistics::Spread, weights::Weighting,
+    Device, Part, Published, ReceiverKind,
+    classes::ClassError,
+    image_metrics::Similarity,
+    metrics::Metrics,
+    stability::{Stability, StabilityFigures},
+    statistics::Spread,
+    weights::Weighting,
 };
 use halfshade_scene::InputFile;
 use serde::{Deserialize, Serialize};
@@ -49,6 +54,9 @@ pub struct Results {
     /// Label of the strategy that all others are compared with in verdicts, if the experiment names one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub baseline: Option<String>,
+    /// Bounds on how strategies behave, if the experiment states any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stability: Option<StabilityFigures>,
     /// The scenes.
     pub scenes: Vec<SceneFacts>,
     /// One entry per scene, frame, kind of receivers, reference and strategy.
@@ -145,6 +153,9 @@ pub struct Run {
     pub time: Option<TimeFigures>,
     /// Its memory.
     pub memory: Option<Memory>,
+    /// How it behaves, if the experiment states bounds on that.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stability: Option<Stability>,
     /// Figures that only this strategy has, if the experiment asks for them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub details: Vec<Detail>,

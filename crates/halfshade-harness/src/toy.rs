@@ -44,6 +44,10 @@ impl Strategy for Toy {
         }
     }
 
+    fn needs_spheres(&self) -> bool {
+        false
+    }
+
     fn bake(&self, _scene: &Scene, params: &Params, _: &dyn Progress) -> Result<Box<dyn Baked>, StrategyError> {
         Ok(Box::new(BakedToy(match self.0 {
             "dim" => Dimming::read(params).factor,

@@ -73,16 +73,50 @@ impl Traced {
         let tracer = Tracer::new(&frame);
         let options = Options { samples: 64, seed, ..Options::default() };
         let found = estimate(&tracer, self.receivers.view(), &options, &Silent);
+        let unshadowed_mean = self.weights.mean(|i| f64::from(found.unshadowed[i]));
         Reference {
             standard_error: found.standard_error,
             draws: found.draws,
             hiders: self.hiders.clone(),
-            ..Reference::exact(
-                found.radiance,
-                self.weights.mean(|i| f64::from(found.unshadowed[i])),
-                self.weights.clone(),
-            )
+            unshadowed: found.unshadowed.into(),
+            ..Reference::exact(found.radiance, unshadowed_mean, self.weights.clone())
         }
+    }
+
+    /// The truth of the receivers at `places`, which may repeat, as 64 samples and a seed show it; and what each of `all` has there.
+    pub(crate) fn drawn(&self, seed: u64, places: &[u32], all: &[RadianceBuffer]) -> (Reference, Vec<RadianceBuffer>) {
+        let own = places.iter().map(|&place| self.weights.values()[place as usize]).collect();
+        let weights = ReceiverWeights::of(Weighting::Area, own).expect("vertices with area");
+        let part = Self {
+            receivers: ReceiverBuffer::gathered(self.receivers.view(), places),
+            weights: Arc::new(weights),
+            hiders: Arc::default(),
+            scene: self.scene.clone(),
+            exact: RadianceBuffer::zeros(0),
+            unshadowed: RadianceBuffer::zeros(0),
+            name: self.name,
+        };
+        let of = |buffer: &RadianceBuffer| RadianceBuffer {
+            channels: buffer
+                .channels
+                .each_ref()
+                .map(|values| places.iter().map(|&place| values[place as usize]).collect()),
+        };
+        (Reference { draws: Vec::new(), ..part.reference(seed) }, all.iter().map(of).collect())
+    }
+
+    /// The truth without noise.
+    pub(crate) fn without_noise(&self) -> Reference {
+        let unshadowed = self.unshadowed.channels.each_ref();
+        let unshadowed: Arc<[f32]> =
+            (0..self.exact.len()).map(|i| unshadowed.map(|c| c[i]).iter().sum::<f32>() / 3.0).collect();
+        let mean = self.weights.mean(|i| f64::from(unshadowed[i]));
+        Reference { unshadowed, ..Reference::exact(self.exact.clone(), mean, self.weights.clone()) }
+    }
+
+    /// How many receivers there are.
+    pub(crate) fn len(&self) -> usize {
+        self.exact.len()
     }
 
     /// Strategies that err in different ways, by name: without shadows, too light in shadows, too bright by a tenth,

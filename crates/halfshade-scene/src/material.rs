@@ -1,6 +1,6 @@
 //! Materials: how surfaces reflect.
 
-use crate::{GlossVariation, Reflectance, Texture};
+use crate::{GlossVariation, Reflectance, Subsurface, Texture};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -16,12 +16,14 @@ pub struct Material {
     pub reflectance: Reflectance,
     /// Variation of the reflectance over the surface, if there is any.
     pub gloss_variation: Option<Arc<GlossVariation>>,
+    /// A medium below the surface, from which diffuse light comes then, tinted by the albedo.
+    pub subsurface: Option<Subsurface>,
 }
 
 impl Material {
     /// A diffuse material without a texture of its own.
     pub const fn new(albedo: Vec3) -> Self {
-        Self { albedo, texture: None, reflectance: Reflectance::Lambert, gloss_variation: None }
+        Self { albedo, texture: None, reflectance: Reflectance::Lambert, gloss_variation: None, subsurface: None }
     }
 
     /// Whether it reflects anything beside its diffuse part.

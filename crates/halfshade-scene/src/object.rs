@@ -47,8 +47,12 @@ impl Object {
 
     /// Whether its diffuse reflectance is grey everywhere, as far as can be told without looking into textures.
     pub fn is_grey(&self) -> bool {
+        let has_grey_medium = self.material.subsurface.is_none_or(|medium| medium.is_grey());
         let has_texture = self.material.texture.is_some() || !self.mesh.textures.is_empty();
-        !has_texture && is_grey(self.material.albedo) && self.mesh.colors.iter().all(|&color| is_grey(color))
+        has_grey_medium
+            && !has_texture
+            && is_grey(self.material.albedo)
+            && self.mesh.colors.iter().all(|&color| is_grey(color))
     }
 
     /// Replaces the material.

@@ -64,6 +64,11 @@ impl Scene {
         self.objects.iter().any(|object| object.material.is_glossy())
     }
 
+    /// Whether light passes below the surface of any object.
+    pub fn is_translucent(&self) -> bool {
+        self.objects.iter().any(|object| object.material.subsurface.is_some())
+    }
+
     /// Sum of the vertices of all objects: the number of vertex receivers.
     pub fn vertex_count(&self) -> usize {
         self.objects.iter().map(|object| object.mesh.positions.len()).sum()

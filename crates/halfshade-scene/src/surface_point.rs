@@ -44,10 +44,12 @@ impl SurfacePoint {
 
     /// The same of a point whose normal is that of its vertices, so that what they know of their hemisphere holds.
     pub fn weights_in_front(&self, mesh: &Mesh) -> Option<VertexWeights> {
-        match self {
-            Self::Triangle { from_behind: true, .. } => None,
-            _ => self.weights(mesh),
-        }
+        if self.is_from_behind() { None } else { self.weights(mesh) }
+    }
+
+    /// Whether the receiver's normal is the opposite of the vertices'.
+    pub fn is_from_behind(&self) -> bool {
+        matches!(self, Self::Triangle { from_behind: true, .. })
     }
 }
 

@@ -17,6 +17,8 @@ pub enum Effect {
     ColouredLight,
     /// Surfaces that reflect more into some directions than into others.
     GlossyReflectance,
+    /// Light that passes below a surface and leaves it elsewhere.
+    SubsurfaceScattering,
     /// Light that surfaces reflect onto each other.
     Interreflection,
     /// Poses that change between frames.
@@ -27,11 +29,12 @@ pub enum Effect {
 
 impl Effect {
     /// All of them.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::EnvironmentLight,
         Self::LocalLights,
         Self::ColouredLight,
         Self::GlossyReflectance,
+        Self::SubsurfaceScattering,
         Self::Interreflection,
         Self::Motion,
         Self::Deformation,
@@ -48,6 +51,7 @@ impl Effect {
             Self::LocalLights => "local lights",
             Self::ColouredLight => "coloured light",
             Self::GlossyReflectance => "glossy reflectance",
+            Self::SubsurfaceScattering => "subsurface scattering",
             Self::Interreflection => "interreflection",
             Self::Motion => "motion",
             Self::Deformation => "deformation",
@@ -117,6 +121,9 @@ impl Effects {
         }
         if scene.is_glossy() {
             effects.push(Effect::GlossyReflectance);
+        }
+        if scene.is_translucent() {
+            effects.push(Effect::SubsurfaceScattering);
         }
         if scene.bounces > 0 {
             effects.push(Effect::Interreflection);

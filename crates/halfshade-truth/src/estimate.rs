@@ -1,7 +1,8 @@
 //! The estimator: direct light at receivers, with a standard error for every value.
 //!
 //! `L = albedo/π · ∫ L_in(ω) V(ω) max(n·ω, 0) dω` is a sum of integrals over lights (see [`crate::lights`]); a glossy
-//! receiver adds those over its lobes (see [`crate::glossy`]).
+//! receiver adds those over its lobes (see [`crate::glossy`]), a translucent one has in place of irradiance what enters elsewhere
+//! (see [`crate::translucent`]), which is sampled whole, without a control variate.
 //!
 //! **Standard error.** Low-discrepancy points are not independent, so the spread of samples says nothing about the error
 //! of their mean. Every estimate is therefore the mean of [`REPLICATES`] independently scrambled estimates, and its
@@ -29,20 +30,19 @@ use crate::{
     lights::Integral,
     mixture::Mixture,
     options::{Geometry, MAX_SAMPLES, Options, REPLICATES, Transport},
+    parts::{DRAWS, Parts},
     paths::{Orders, Paths},
     points::{Points, Scramble},
     receiver::Receiver,
     sphere_albedo::SphereAlbedo,
     tracer::Tracer,
+    translucent::Translucent,
     visibility::trace_mesh,
 };
 use glam::{DVec3, Vec3};
 use halfshade_scene::{Lobes, Progress, RadianceBuffer, Receivers};
 use rayon::prelude::*;
 use std::f64::consts::FRAC_1_PI;
-
-/// Draws of the noise that come with an estimate.
-pub const DRAWS: usize = 8;
 
 /// Numbers of scramblings of glossy receivers: past those of diffuse light.
 const FIRST_GLOSSY_SCRAMBLE: u32 = 1 << 22;
@@ -116,11 +116,15 @@ fn one_round(
     let count = receivers.len();
     let shadowed = options.transport == Transport::Shadowed;
     let glossy = tracer.eye_lobes.is_some();
-    let table = Points::first(if shadowed || glossy { points } else { 0 });
+    let translucent = tracer.is_translucent();
+    let table = Points::first(if shadowed || glossy || translucent { points } else { 0 });
     let on_spheres = shadowed && options.bounces > 0 && options.geometry != Geometry::Mesh;
     let sphere_albedo = on_spheres.then(|| SphereAlbedo::new(tracer));
-    let depths = if shadowed { options.bounces } else { 0 };
-    let orders = Orders::new(points, depths, 1 + 2 * tracer.lights.integrals().count(), options.seed);
+    // Points below surfaces are drawn by one number more, and at one depth more for the receivers' own.
+    let more = usize::from(translucent);
+    let depths = more + if shadowed { options.bounces } else { 0 };
+    let per_depth = 1 + 2 * tracer.lights.integrals().count() + more;
+    let orders = Orders::new(points, depths, per_depth, options.seed);
     progress.start("tracing", count as u64);
     let chunks: Vec<Vec<Value>> = (0..count.div_ceil(CHUNK))
         .into_par_iter()
@@ -173,39 +177,6 @@ struct Value {
     rays: u64,
 }
 
-/// Independent estimates of one quantity, and what is known of it apart from them.
-#[derive(Debug, Clone, Copy)]
-struct Parts {
-    replicates: [DVec3; REPLICATES],
-    /// Squared error that the spread of the replicates can't show.
-    floor_squared: DVec3,
-    unshadowed: DVec3,
-}
-
-impl Parts {
-    const NOTHING: Self =
-        Self { replicates: [DVec3::ZERO; REPLICATES], floor_squared: DVec3::ZERO, unshadowed: DVec3::ZERO };
-
-    fn mean_and_error(&self) -> (DVec3, DVec3) {
-        let mean = self.replicates.iter().sum::<DVec3>() / REPLICATES as f64;
-        let squares = self.replicates.iter().map(|r| (*r - mean) * (*r - mean)).sum::<DVec3>();
-        let variance = squares / (REPLICATES * (REPLICATES - 1)) as f64 + self.floor_squared;
-        (mean, variance.max(DVec3::ZERO).map(f64::sqrt))
-    }
-
-    /// Contrasts of the replicates by the rows of a Hadamard matrix. Error that the spread can't show goes up or down in
-    /// all channels alike: a sample that is blocked takes all of them.
-    fn draws(&self) -> [DVec3; DRAWS] {
-        let floor = self.floor_squared.map(f64::sqrt);
-        std::array::from_fn(|draw| {
-            let row = draw + 1;
-            let sign = |replicate: usize| if (row & replicate).count_ones().is_multiple_of(2) { 1.0 } else { -1.0 };
-            let contrast: DVec3 = self.replicates.iter().enumerate().map(|(number, value)| sign(number) * *value).sum();
-            contrast / REPLICATES as f64 + if draw % 2 == 0 { floor } else { -floor }
-        })
-    }
-}
-
 /// Sums over the samples of one replicate of one integral.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sums {
@@ -255,7 +226,21 @@ impl<'a> Worker<'a> {
         let scale = FRAC_1_PI * albedo;
         let index = receivers.index[i];
         let lobes = self.tracer.eye_lobes.as_ref().map_or(Lobes::NONE, |lobes| lobes.at(receivers, i));
-        if lobes.is_empty() {
+        let translucent = self.tracer.translucent(receivers.object[i]);
+        if let Some(surface) = translucent {
+            let mut parts = Parts::NOTHING;
+            // Within a translucent object it is dark.
+            if !receivers.surface[i].is_from_behind() {
+                parts = self.below(surface, &receiver, index);
+                parts.scale(scale);
+            }
+            if !lobes.is_empty() {
+                parts.add(&self.glossy_beside(&receiver, lobes, blocked, index, &mut value.rays));
+            }
+            (value.radiance, value.standard_error) = parts.mean_and_error();
+            value.draws = parts.draws().map(|draw| draw.as_vec3());
+            value.unshadowed = parts.unshadowed;
+        } else if lobes.is_empty() {
             let (irradiance, error);
             if blocked {
                 let mut parts = self.irradiance(&receiver, index, &mut value.rays);
@@ -294,6 +279,28 @@ impl<'a> Worker<'a> {
         }
         value.rays += std::mem::take(&mut self.paths.rays);
         value
+    }
+
+    /// `∫ R_d E_t dA` at a translucent receiver, by direct light and by what surfaces reflect.
+    fn below(&mut self, surface: &Translucent, receiver: &Receiver, index: u32) -> Parts {
+        let cut = surface.cut(receiver.position);
+        let mut parts = Parts::NOTHING;
+        for (number, replicate) in parts.replicates.iter_mut().enumerate() {
+            let [seen, all] = self.paths.below((surface, &cut), index, number as u32);
+            *replicate = if self.options.transport == Transport::Shadowed { seen } else { all };
+            parts.unshadowed += all / REPLICATES as f64;
+        }
+        parts
+    }
+
+    /// Radiance that the lobes of a translucent receiver reflect, of direct light and of what surfaces reflect.
+    fn glossy_beside(&mut self, receiver: &Receiver, lobes: Lobes, blocked: bool, index: u32, rays: &mut u64) -> Parts {
+        let mixture = Mixture::new(lobes, receiver.normal);
+        let mut parts = self.glossy(receiver, &mixture, blocked, index, rays);
+        for (number, replicate) in parts.replicates.iter_mut().enumerate().filter(|_| blocked) {
+            *replicate += self.paths.radiance(receiver, &mixture, index, number as u32);
+        }
+        parts
     }
 
     fn unshadowed(&self, receiver: &Receiver) -> DVec3 {

@@ -12,6 +12,9 @@
 //! strategies that it judges, since a shared mistake would cancel out in the score, but for the rays: those are held to
 //! every triangle one by one in double precision.
 //!
+//! Receivers on translucent objects show light that entered elsewhere ([`halfshade_scene::Subsurface`], see `translucent.rs`): their
+//! irradiance is the sum over points of the surface, each with rays and bounces of its own.
+//!
 //! - **Geometry**: the meshes, all of them, both faces; or the sphere sets, each sphere adjusted to the receiver.
 //!   Their difference is the geometry error.
 //! - **Rays**: those of [`halfshade_rays`], watertight, in a space where the scene has a fixed size about the origin.
@@ -37,6 +40,7 @@
 
 mod batch;
 mod blocker_caps;
+mod dipole;
 mod directions;
 mod environment;
 mod estimate;
@@ -48,6 +52,7 @@ mod lights;
 mod map_irradiance;
 mod mixture;
 mod options;
+mod parts;
 mod paths;
 mod points;
 mod receiver;
@@ -57,10 +62,12 @@ mod space;
 mod sphere_albedo;
 mod sphere_irradiance;
 mod tracer;
+mod translucent;
 mod visibility;
 
-pub use estimate::{DRAWS, Estimate, estimate};
+pub use estimate::{Estimate, estimate};
 pub use hiders::{Hider, LEAST_SHARE, hiders};
 pub use options::{Geometry, MAX_SAMPLES, Options, REPLICATES, Transport};
+pub use parts::DRAWS;
 pub use shadow_rays::{ShadowRay, shadow_rays};
 pub use tracer::{Hit, Tracer};

@@ -28,7 +28,7 @@ pub enum Transport {
     #[default]
     Shadowed,
     /// The same integrals with visibility 1: closed forms and deterministic quadrature, no samples, no standard error.
-    /// Those over the lobes of glossy receivers are sampled.
+    /// Those over the lobes of glossy receivers, and over the surfaces of translucent ones, are sampled.
     Unshadowed,
 }
 

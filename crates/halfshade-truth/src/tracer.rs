@@ -1,6 +1,12 @@
 //! Rays against one frame of a scene: closest hits, occlusion, the first hits of a picture.
 
-use crate::{inward::Inward, lights::Lights, receiver::Receiver, space::TracingSpace};
+use crate::{
+    inward::Inward,
+    lights::Lights,
+    receiver::Receiver,
+    space::TracingSpace,
+    translucent::{Translucent, Triangle},
+};
 use glam::{DVec3, Vec3};
 use halfshade_rays::{Crossing, MeshRays, Ray};
 use halfshade_scene::{Camera, EyeLobes, Frame, Object, Pose, ReceiverBuffer, ReceiverPoint, SurfacePoint};
@@ -37,6 +43,8 @@ pub struct Tracer {
     pub(crate) sphere_owners: Vec<(usize, usize)>,
     /// Every object as it is at this frame, and where it stands.
     pub(crate) objects: Vec<(Object, Pose)>,
+    /// By object; nothing for those that light doesn't enter.
+    translucent: Vec<Option<Translucent>>,
     pub(crate) lights: Lights,
     /// Reflection of receivers towards the eye, if anything is glossy.
     pub(crate) eye_lobes: Option<EyeLobes>,
@@ -52,6 +60,7 @@ impl Tracer {
         let (mut corners, mut owners) = (Vec::new(), Vec::new());
         let (mut spheres, mut sphere_owners) = (Vec::new(), Vec::new());
         let (vertices, mut first_vertex, mut inward) = (ReceiverBuffer::vertices(frame), 0, Inward::default());
+        let mut translucent = Vec::new();
         let objects: Vec<(Object, Pose)> =
             (frame.world_from_object.iter().enumerate()).map(|(number, pose)| (frame.object(number), *pose)).collect();
         for (number, (object, pose)) in objects.iter().enumerate() {
@@ -59,6 +68,16 @@ impl Tracer {
             let part = vertices.view().slice(first_vertex..first_vertex + count);
             let positions: Vec<Vec3> = (0..count).map(|vertex| part.position_at(vertex)).collect();
             inward.add(&object.mesh.triangles, &part);
+            translucent.push(object.material.subsurface.map(|medium| {
+                let corner = |of: &dyn Fn(usize) -> Vec3, vertex: u32| {
+                    if (vertex as usize) < count { of(vertex as usize) } else { Vec3::NAN }.as_dvec3()
+                };
+                let triangles = object.mesh.triangles.iter().map(|triangle| Triangle {
+                    corners: triangle.map(|vertex| corner(&|vertex| part.position_at(vertex), vertex)),
+                    normals: triangle.map(|vertex| corner(&|vertex| part.normal_at(vertex), vertex)),
+                });
+                Translucent::new(&medium, triangles)
+            }));
             first_vertex += count;
             for (triangle, corner) in object.mesh.triangles.iter().enumerate() {
                 let [a, b, c] = corner.map(|v| positions.get(v as usize).copied().unwrap_or(Vec3::NAN));
@@ -92,11 +111,22 @@ impl Tracer {
             spheres,
             sphere_owners,
             objects,
+            translucent,
             lights: Lights::new(frame),
             eye_lobes: EyeLobes::new(frame),
             inward,
             has_holes,
         }
+    }
+
+    /// The surface of an object that light enters, seen from its front: `None` for any other object.
+    pub(crate) fn translucent(&self, object: u32) -> Option<&Translucent> {
+        self.translucent.get(object as usize)?.as_ref()
+    }
+
+    /// Whether light enters any object.
+    pub(crate) fn is_translucent(&self) -> bool {
+        self.translucent.iter().any(Option::is_some)
     }
 
     /// A receiver, its rays' origin lifted off the surface and, at the rim of a smooth patch, drawn onto the patch.

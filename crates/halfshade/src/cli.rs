@@ -161,16 +161,16 @@ pub struct TuneArguments {
     /// A scene file, a built-in name, or a mesh file (which stands on a ground plane).
     pub scene: String,
     /// Largest relative RMSE, such as 0.03: the fastest within it is searched.
-    #[arg(long, value_name = "ERROR", value_parser = positive)]
+    #[arg(long, value_name = "ERROR", value_parser = positive, allow_negative_numbers = true)]
     pub max_error: Option<f64>,
     /// Longest frame in milliseconds; without --max-error the most exact within it is searched.
-    #[arg(long, value_name = "MS", value_parser = positive)]
+    #[arg(long, value_name = "MS", value_parser = positive, allow_negative_numbers = true)]
     pub frame_ms: Option<f64>,
     /// Search these strategies only.
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub only: Vec<String>,
     /// Most memory of baked data in MiB.
-    #[arg(long, value_name = "MIB", value_parser = positive)]
+    #[arg(long, value_name = "MIB", value_parser = positive, allow_negative_numbers = true)]
     pub memory_mb: Option<f64>,
     /// Light of a mesh file: `sky`, `constant`, or an image (.hdr, .exr) [default: sky].
     #[arg(long, value_name = "LIGHT")]

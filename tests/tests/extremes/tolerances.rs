@@ -236,11 +236,17 @@ fn prt(p: &Params, drawn: &Drawn) -> Tolerances {
     let rings = !is_constant(drawn) || drawn.scene.is_glossy();
     const SHARED: &str = "a cluster's vectors stand for each other's";
     const VOLUME: &str = "three bands of light between points of a grid, without shadows of what moves";
+    const POINTS: &str = "light between points of a grid that lies along axes, near a lamp far from what it is";
     let is_compressed = p.word("compression") != "none";
-    if is_compressed || p.word("moving") == "volume" {
-        let none = Err(if is_compressed { SHARED } else { VOLUME });
+    let is_between = p.number("lamp-steps") > 0.0 && !drawn.scene.lights.is_empty();
+    if is_compressed || p.word("moving") == "volume" || is_between {
+        let none = match () {
+            () if is_between => Err(POINTS),
+            () if is_compressed => Err(SHARED),
+            () => Err(VOLUME),
+        };
         let (below, above, brightened, jump) = (none, none, none, none);
-        let turned = if is_compressed { EXACT } else { none };
+        let turned = if is_compressed && !is_between { EXACT } else { none };
         return Tolerances { below, above, rings: None, scaled: EXACT, turned, linear: EXACT, brightened, jump };
     }
     Tolerances {

@@ -9,7 +9,7 @@ mod too_large;
 pub use clusters::{ClusterBetween, ClusterUniforms};
 
 use crate::{
-    kernels::PRT,
+    kernels::{PRT, PRT_LAMPS},
     pipeline::flag,
     receivers::KernelSpace,
     reflectance::{TERM_ROWS, terms},
@@ -20,11 +20,12 @@ use bytemuck::{Pod, Zeroable};
 use clusters::ClusteredOnGpu;
 use glam::{DMat3, Vec3};
 use halfshade_scene::{Cache, Frame, Progress, Receivers, Reflectance, Scene};
+use halfshade_sh::wgsl::MAX_WGSL_BANDS;
 use halfshade_strategies::{
     Prt,
     prt::{
         BakedScene,
-        arrays::{Place, SceneArrays},
+        arrays::{LocalLights, Place, SceneArrays},
         gloss_arrays::{GlossArrays, GlossPlace},
     },
 };
@@ -72,6 +73,7 @@ struct BakedOnGpu {
     runner: Runner,
     /// Terms of the reflectance of every object.
     terms: Vec<Vec<[f32; 4]>>,
+    has_lamps: bool,
 }
 
 impl PrtOnGpu {
@@ -97,6 +99,13 @@ impl Strategy for PrtOnGpu {
             return Err(StrategyError::Unsupported(reason.into()));
         }
         let SceneArrays { bands, channels, clusters, .. } = baked.scene_arrays();
+        if let Some(missing) =
+            baked.local_lights().and_then(|lights| without_kernel(&lights, bands, clusters.is_some()))
+        {
+            let reason =
+                format!("local lights with {missing} have no kernel on the graphics device; take device `cpu`");
+            return Err(StrategyError::Unsupported(reason));
+        }
         if clusters.is_some() {
             if scene.is_glossy() {
                 let reason = "gloss beside compressed transfer has no kernel on the graphics device; take device `cpu`";
@@ -109,10 +118,24 @@ impl Strategy for PrtOnGpu {
             ("CHANNELS", channels as f64),
             ("BANDS", bands as f64),
             ("IS_GLOSSY", flag(scene.is_glossy())),
+            ("LAMPS", scene.lights.len() as f64),
         ];
-        let runner = Runner::new(&self.bench, &PRT, None, &constants, size_of::<FrameUniforms>())?;
+        let has_lamps = !scene.lights.is_empty();
+        let (kernel, sh_bands) = if has_lamps { (&PRT_LAMPS, Some(bands)) } else { (&PRT, None) };
+        let runner = Runner::new(&self.bench, kernel, sh_bands, &constants, size_of::<FrameUniforms>())?;
         let terms = scene.objects.iter().map(|object| term_rows(&object.material.reflectance)).collect();
-        Ok(Box::new(BakedOnGpu { baked, runner, terms }))
+        Ok(Box::new(BakedOnGpu { baked, runner, terms, has_lamps }))
+    }
+}
+
+/// Settings of local lights that have no kernel, if there are any.
+fn without_kernel(lights: &LocalLights, bands: usize, is_compressed: bool) -> Option<&'static str> {
+    match () {
+        () if lights.is_between_points => Some("lamp-steps"),
+        () if lights.is_windowed => Some("a window"),
+        () if is_compressed => Some("compression"),
+        () if bands > MAX_WGSL_BANDS => Some("more than six bands"),
+        () => None,
     }
 }
 
@@ -261,9 +284,21 @@ impl Baked for BakedOnGpu {
     fn prepare(&mut self, frame: &Frame<'_>) -> Result<Box<dyn Prepared + '_>, StrategyError> {
         let mut uniforms = FrameUniforms::new(self.baked.frame_arrays(frame)?.light);
         let places = frame.world_from_object.iter().map(|pose| pose.translation.as_dvec3());
-        let space = KernelSpace::of_points(places, DMat3::IDENTITY);
-        uniforms.baked_from_world =
-            self.baked.baked_from_world().transpose().to_cols_array_2d().map(|axis| row(axis.into(), 0.0));
+        // Receivers of local lights see them along the axes of the vectors.
+        let baked_from_world = self.baked.baked_from_world().as_dmat3();
+        let (rotation, rest) = match self.has_lamps {
+            true => (baked_from_world, DMat3::IDENTITY),
+            false => (DMat3::IDENTITY, baked_from_world),
+        };
+        let space = KernelSpace::of_points(places, rotation);
+        uniforms.baked_from_world = rest.as_mat3().transpose().to_cols_array_2d().map(|axis| row(axis.into(), 0.0));
+        if self.has_lamps {
+            let lamps = frame
+                .lights
+                .iter()
+                .flat_map(|light| [space.place_sphere(light.center, light.radius), row(light.radiance, 0.0)]);
+            self.runner.write(3, &lamps.collect::<Vec<_>>()).map_err(told)?;
+        }
         uniforms.eye = row(space.place(frame.scene.camera.eye.as_dvec3()).as_vec3(), 0.0);
         self.runner.write_uniforms(&uniforms);
         self.runner.place_objects(frame, &space)?;

@@ -24,13 +24,8 @@ pub(super) fn compare(device: &dyn Strategy, cpu: &dyn Strategy, settings: &str)
         let count = if size == 1.0 { 3 } else { 1 };
         for (light, environment) in environments().into_iter().enumerate().rev().take(count) {
             let mut scene = scene(size, environment);
-            if cpu.info().effects.contains(Effect::LocalLights) {
-                let lamp = SphereLight {
-                    center: size * Vec3::new(1.0, 3.0, 0.5),
-                    radius: 0.3 * size,
-                    radiance: Vec3::new(9.0, 8.0, 7.0),
-                };
-                scene.lights.push((lamp, Motion::Still(Pose::IDENTITY)));
+            if cpu.info().effects.contains(Effect::LocalLights) && has_lamp_kernel(settings) {
+                scene.lights.push(lamp(size));
             }
             let receivers = ReceiverBuffer::vertices(&scene.frame(0));
             compare_in([device, cpu], &scene, &receivers, settings)
@@ -38,6 +33,18 @@ pub(super) fn compare(device: &dyn Strategy, cpu: &dyn Strategy, settings: &str)
         }
     }
     Ok(())
+}
+
+/// A light beside what [`scene`] holds.
+pub(super) fn lamp(size: f32) -> (SphereLight, Motion) {
+    let lamp =
+        SphereLight { center: size * Vec3::new(1.0, 3.0, 0.5), radius: 0.3 * size, radiance: Vec3::new(9.0, 8.0, 7.0) };
+    (lamp, Motion::Still(Pose::IDENTITY))
+}
+
+/// Whether a device shades local lights with these settings, where it shades any.
+pub(super) fn has_lamp_kernel(settings: &str) -> bool {
+    !["bands=8", "compression="].iter().any(|without| settings.contains(without))
 }
 
 /// Holds a strategy on the device to the same on the CPU, in one scene.

@@ -12,8 +12,14 @@ use std::ops::Range;
 /// Most scenes that an entry becomes.
 const MAX_SCENES: usize = 1000;
 
+/// Keys of an entry that can be swept.
+const KEYS: [&str; 6] = ["environment", "still", "bounces", "resolution", "spheres", "fit"];
+
+/// Keys with the values that each takes.
+pub type Sweep = Vec<(String, Spanned<Vec<toml::Value>>)>;
+
 impl SceneEntry {
-    /// The entry without a sweep, or one for each combination of its sweep's values, in the order of the file: the last key changes
+    /// The entry without a sweep, or one for each combination of its sweep's values, keys in alphabetical order, the last of which changes
     /// first. Keys are those of an entry, or paths into its scene file.
     ///
     /// # Errors
@@ -49,6 +55,12 @@ impl SceneEntry {
             entry.changes.push(Change { path: key.to_owned(), value: value.to_string() });
             return Ok(entry);
         }
+        if !KEYS.contains(&key) {
+            return Err(format!(
+                "can't be swept; {} and paths into a scene file such as light.1.radiance can",
+                KEYS.join(", ")
+            ));
+        }
         // Read as if it stood in a file of its own: the same bounds, the same words where it doesn't fit.
         let text = format!("name = \"\"\n{key} = {value}");
         let one: Self = keys::parse(&text).map_err(|error| error.problem)?;
@@ -58,12 +70,7 @@ impl SceneEntry {
             "bounces" => entry.bounces = one.bounces,
             "resolution" => entry.resolution = one.resolution,
             "spheres" => entry.spheres = one.spheres,
-            "fit" => entry.fit = one.fit,
-            _ => {
-                return Err("can't be swept; environment, still, bounces, resolution, spheres, fit and paths into a scene file \
-                            such as light.1.radiance can"
-                    .into());
-            }
+            _ => entry.fit = one.fit,
         }
         if key == "bounces" {
             entry.told.push(format!("bounces {value}"));
@@ -83,14 +90,12 @@ pub(super) fn schema_of_lists(_: &mut SchemaGenerator) -> Schema {
     json_schema!({ "type": "object", "additionalProperties": { "type": "array" } })
 }
 
-/// Reads a table of lists in the order of the file.
-pub(super) fn lists<'de, D: serde::Deserializer<'de>>(
-    deserializer: D,
-) -> Result<Vec<(String, Spanned<Vec<toml::Value>>)>, D::Error> {
+/// Reads a table of lists.
+pub(super) fn lists<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Sweep, D::Error> {
     struct Lists;
 
     impl<'de> serde::de::Visitor<'de> for Lists {
-        type Value = Vec<(String, Spanned<Vec<toml::Value>>)>;
+        type Value = Sweep;
 
         fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
             f.write_str(
@@ -128,7 +133,7 @@ mod tests {
             swept("{ spheres = [10, 20], bounces = [0, 1], \"light.1.radiance\" = [[1, 1, 1], [5, 5, 5]] }").unwrap();
         assert_eq!(all.len(), 8);
         let facts = |entry: &SceneEntry| (entry.spheres.unwrap().get(), entry.bounces.unwrap());
-        assert_eq!((facts(&all[0]), facts(&all[2]), facts(&all[4])), ((10, 0), (10, 1), (20, 0)));
+        assert_eq!((facts(&all[0]), facts(&all[1]), facts(&all[4])), ((10, 0), (20, 0), (10, 1)));
         assert_eq!(all[7].suffix(), ", bounces 1, light.1.radiance [5, 5, 5]");
         assert_eq!(swept("{}").unwrap().len(), 1);
     }

@@ -1,6 +1,6 @@
 //! Parts that may be joined: of one experiment, one program, one set of files.
 
-use super::Loaded;
+use super::loaded::Loaded;
 use crate::{HarnessError, Part, inputs};
 
 /// Refuses `part` where it doesn't belong with `first`.

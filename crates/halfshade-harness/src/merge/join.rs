@@ -1,6 +1,6 @@
 //! The results of several parts as one.
 
-use super::Loaded;
+use super::loaded::Loaded;
 use crate::{
     HarnessError, Results,
     results::{Machine, Run, Status},

@@ -2,24 +2,18 @@
 
 mod agreement;
 mod join;
+mod loaded;
 
 use crate::{
     HarnessError, Results,
     out_folder::OutFolder,
     part::{Part, Shard},
     report,
-    results::PartFacts,
 };
 use agreement::check_agreement;
 use join::join;
+use loaded::{Loaded, MergedPicture, load};
 use std::path::{Path, PathBuf};
-
-/// A part, and where it lies.
-struct Loaded {
-    folder: PathBuf,
-    results: Results,
-    facts: PartFacts,
-}
 
 /// Joins the parts in `folders`, whose pictures lie beside them.
 ///
@@ -51,14 +45,6 @@ pub struct Merged {
     pictures: Vec<MergedPicture>,
 }
 
-/// A picture's file, by its part.
-#[derive(Debug)]
-struct MergedPicture {
-    folder: PathBuf,
-    file: PathBuf,
-    blake3: String,
-}
-
 impl Merged {
     /// Writes results, reports, plots and pictures into `out`, as an undivided run would have.
     ///
@@ -74,41 +60,6 @@ impl Merged {
         }
         report::write_all(&self.results, &mut |file, bytes| folder.write(file, bytes), &report::files_in(out))
     }
-}
-
-impl MergedPicture {
-    fn read(&self) -> Result<Vec<u8>, HarnessError> {
-        let path = self.folder.join(&self.file);
-        let bytes = std::fs::read(&path).map_err(|source| HarnessError::io(&path, "read", source))?;
-        if blake3::hash(&bytes).to_hex().as_str() != self.blake3 {
-            return Err(HarnessError::in_file(&path, "damaged: not what its part wrote; copy or run that part again"));
-        }
-        Ok(bytes)
-    }
-}
-
-impl Loaded {
-    fn pictures(&self) -> impl Iterator<Item = MergedPicture> {
-        self.facts.files.iter().map(|(file, blake3)| MergedPicture {
-            folder: self.folder.clone(),
-            file: file.into(),
-            blake3: blake3.clone(),
-        })
-    }
-}
-
-/// The part in `folder`, if it is one, and whole.
-fn load(folder: &Path) -> Result<Loaded, HarnessError> {
-    let path = folder.join("results.json");
-    let results = Results::load(&path)?;
-    let problem = match &results.part {
-        None => "is no part of an experiment but all of it: there is nothing to join it with".to_owned(),
-        Some(facts) if !results.is_sealed()? => {
-            format!("damaged: not what {} wrote; copy or run that part again", facts.part)
-        }
-        Some(facts) => return Ok(Loaded { folder: folder.to_owned(), facts: facts.clone(), results }),
-    };
-    Err(HarnessError::in_file(&path, problem))
 }
 
 /// Whether every shard is there once.

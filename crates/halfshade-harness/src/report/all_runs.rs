@@ -2,10 +2,21 @@
 
 use super::table::{Cell, Column, Table};
 use crate::{
-    Metrics,
+    Intervals, Metrics,
     metrics::relative,
     results::{Results, Status},
 };
+
+/// Intervals in the order of their columns.
+const INTERVALS: [fn(&Intervals) -> Option<[f64; 2]>; 7] = [
+    |it| it.rel_rmse,
+    |it| Some(it.rmse),
+    |it| Some(it.bias),
+    |it| Some(it.mae),
+    |it| it.p95,
+    |it| it.p99,
+    |it| Some(it.negative),
+];
 
 /// Every run with every number, a row each: `results.csv`.
 pub(super) fn all_runs(results: &Results) -> Table {
@@ -15,7 +26,10 @@ pub(super) fn all_runs(results: &Results) -> Table {
                 p99_noise_radiance,max_noise_radiance,resolved,flip,ssim,truth_samples,\
                 truth_rms_standard_error_radiance,unshadowed_mean_radiance,bake_secs,prepare_secs_median,\
                 prepare_secs_mad,shade_secs_median,shade_secs_mad,frames_per_sec,threads,memory_bytes,device,\
-                read_back_secs_median,device_secs_median,streamed_secs_median,latency_secs_median,negative_share";
+                read_back_secs_median,device_secs_median,streamed_secs_median,latency_secs_median,negative_share,\
+                rel_rmse_low,rel_rmse_high,rmse_low_radiance,rmse_high_radiance,bias_low_radiance,bias_high_radiance,\
+                mae_low_radiance,mae_high_radiance,p95_low_radiance,p95_high_radiance,p99_low_radiance,p99_high_radiance,\
+                negative_share_low,negative_share_high";
     let mut rows: Vec<Vec<Cell>> = Vec::new();
     for run in &results.runs {
         let optional = |value: Option<f64>| value.map(|value| value.to_string()).unwrap_or_default();
@@ -85,6 +99,11 @@ pub(super) fn all_runs(results: &Results) -> Table {
             optional(time.and_then(|time| time.latency_secs).map(|spread| spread.median)),
             optional(metric(|m| m.negative)),
         ]);
+        let intervals = error.and_then(|error| error.metrics.intervals);
+        record.extend(INTERVALS.iter().flat_map(|of| {
+            let interval = intervals.as_ref().and_then(of);
+            [0, 1].map(|end| optional(interval.map(|interval| interval[end])))
+        }));
         rows.push(record.into_iter().map(Cell::text).collect());
     }
     let columns = head.split(',').map(|name| Column::plain(name.trim())).collect();
@@ -98,13 +117,18 @@ mod tests {
 
     #[test]
     fn csv_has_a_cell_for_every_head() {
-        let text = all_runs(&example()).write(Format::Csv, "");
+        let mut results = example();
+        let (bias, p99) = ([-0.06, -0.04], Some([0.2, 0.3]));
+        results.runs[0].error.as_mut().unwrap().metrics.intervals =
+            Some(Intervals { rmse: [0.1; 2], rel_rmse: None, bias, mae: [0.1; 2], p95: None, p99, negative: [0.0; 2] });
+        let text = all_runs(&results).write(Format::Csv, "");
         let mut reader = csv::Reader::from_reader(text.as_bytes());
-        assert_eq!(reader.headers().unwrap().len(), 50);
+        assert_eq!(reader.headers().unwrap().len(), 64);
         let records: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
         assert_eq!(records.len(), 3);
         assert_eq!((&records[0][6], &records[0][12], &records[2][7]), ("bands=4", "0.2", "unsupported"));
         // Relative to a mean of 0.5, absolute, and the noise.
         assert_eq!((&records[0][13], &records[0][19], &records[0][25]), ("-0.1", "-0.05", "0.00002"));
+        assert_eq!([50, 54, 55, 60, 61].map(|column| &records[0][column]), ["", "-0.06", "-0.04", "0.2", "0.3"]);
     }
 }

@@ -11,6 +11,7 @@ use super::{
     page::{Block, Page, Picture},
     plot::Plot,
     scene_table::scene_table,
+    stability::{overview, stability},
     stages::stages,
     verdict::verdicts,
 };
@@ -37,13 +38,13 @@ pub fn page(results: &Results) -> Page {
         Block::Note(results.claim.clone()),
         Block::Note(format!("{provenance}.")),
     ];
-    blocks.extend(verdicts(results).into_iter().map(Block::Table));
+    blocks.extend(overview(results).into_iter().chain(verdicts(results)).map(Block::Table));
     let groups = Group::all(results);
     for (group, plot) in groups.iter().zip(Plot::error_against_time(results, &groups)) {
         blocks.push(Block::Heading(group.to_string()));
         blocks.push(Block::Table(scene_table(results, group)));
         blocks.extend(plot.map(Block::Plot));
-        let further = [error_by_class, error_split, stages, differences, details];
+        let further = [stability, error_by_class, error_split, stages, differences, details];
         blocks.extend(Plot::stacked(results, group).map(Block::Plot));
         blocks.extend(further.iter().filter_map(|table| table(results, group)).map(Block::Table));
         blocks.push(Block::Pictures(pictures(results, group)));
@@ -67,7 +68,7 @@ fn pictures(results: &Results, group: &Group) -> Vec<Picture> {
 /// The page that a run ends with: a table per frame, and the verdicts.
 pub fn summary(results: &Results) -> Page {
     let tables = Group::all(results).into_iter().map(|group| scene_table(results, &group));
-    let blocks = tables.chain(verdicts(results)).map(Block::Table).collect();
+    let blocks = tables.chain(overview(results)).chain(verdicts(results)).map(Block::Table).collect();
     Page { provenance: provenance(results), blocks }
 }
 

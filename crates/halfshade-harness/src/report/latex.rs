@@ -52,6 +52,8 @@ fn escape(text: &str) -> String {
             '~' => escaped.push_str("\\textasciitilde{}"),
             '^' => escaped.push_str("\\textasciicircum{}"),
             '±' => escaped.push_str("$\\pm$"),
+            '✓' => escaped.push_str("$\\surd$"),
+            '✗' => escaped.push_str("$\\times$"),
             '≤' => escaped.push_str("$\\le$"),
             _ if character.is_control() => escaped.push(' '),
             _ => escaped.push(character),

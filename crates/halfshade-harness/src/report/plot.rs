@@ -2,8 +2,8 @@
 //!
 //! One colour per strategy, fixed by its place in the list of all; one mark and line per choice of words among its parameters, the
 //! same in all plots of some results; numbers among its parameters are written beside the points, which are
-//! joined in the order of time. Bars show the median absolute deviation of the time and the truth's noise in the
-//! error. The grey staircase is the Pareto front: nothing measured is both faster and more exact. Unresolved errors are drawn
+//! joined in the order of time. Bars show the median absolute deviation of the time and the error's interval, in
+//! results without intervals the truth's noise. The grey staircase is the Pareto front: nothing measured is both faster and more exact. Unresolved errors are drawn
 //! hollow, at the value that the truth can just resolve. A plot is as high as its legend needs.
 
 mod chart;

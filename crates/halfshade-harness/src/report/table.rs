@@ -38,6 +38,8 @@ pub struct Cell {
     pub text: String,
     /// Number that is ranked; `None` for text.
     pub value: Option<f64>,
+    /// Whether the bound holds that is stated for it, if one is.
+    pub holds: Option<bool>,
 }
 
 impl Column {
@@ -55,12 +57,18 @@ impl Column {
 impl Cell {
     /// Text.
     pub fn text(text: impl Into<String>) -> Self {
-        Self { text: text.into(), value: None }
+        Self { text: text.into(), value: None, holds: None }
     }
 
     /// A number.
     pub fn number(text: impl Into<String>, value: f64) -> Self {
-        Self { text: text.into(), value: Some(value) }
+        Self { text: text.into(), value: Some(value), holds: None }
+    }
+
+    /// Something with a stated bound, which holds or doesn't.
+    pub fn bounded(text: impl Into<String>, value: Option<f64>, holds: bool) -> Self {
+        let mark = if holds { '✓' } else { '✗' };
+        Self { text: format!("{mark} {}", text.into()), value, holds: Some(holds) }
     }
 
     /// An error that the truth can't tell from none: the best there is, whatever its size, and as good as any other such.

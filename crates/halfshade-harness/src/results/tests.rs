@@ -34,6 +34,8 @@ pub(crate) fn example() -> Results {
                 negative: None,
                 max_noise: Some(1e-3),
                 resolved: true,
+                intervals: None,
+                rmse_without: None,
             },
             weights: Weighting::Equal,
             classes: Vec::new(),
@@ -42,6 +44,7 @@ pub(crate) fn example() -> Results {
         truth: Some(TruthFigures { samples: 256, rms_standard_error: 1e-3, unshadowed_mean: 0.5 }),
         time: Some(TimeFigures::of(0.25, 2, vec![Sample::new(0.0, 1e-3 * ms); 3])),
         memory: Some(Memory { bytes: 2048, parts: BTreeMap::from([("tables".into(), 2048)]) }),
+        stability: None,
         details: vec![Detail { name: "resolution by shell".into(), values: vec![8.0, 64.0, 0.015625] }],
         stages: Vec::new(),
     };
@@ -61,6 +64,7 @@ pub(crate) fn example() -> Results {
         machine: Machine { cpu: "an abacus".into(), threads: 2, gpu: None, os: "none".into() },
         strategies: vec!["fast".into(), "exact".into(), "blind".into()],
         baseline: None,
+        stability: None,
         scenes: vec![SceneFacts {
             name: "vases".into(),
             vertices: 1000,

@@ -1,7 +1,9 @@
 //! Numbers that no measurement gives: those that are not finite or contradict each other.
 
-use super::{PictureFiles, Results, Run, StageError, Status};
-use crate::{image_metrics::Similarity, metrics::Metrics};
+use super::{ErrorFigures, PictureFiles, Results, Run, StageError, Status};
+use crate::{
+    image_metrics::Similarity, intervals::Intervals, left_out::LeftOut, metrics::Metrics, stability::StabilityFigures,
+};
 
 impl Run {
     /// The first of its figures that is not finite, by name.
@@ -17,6 +19,7 @@ impl Run {
                 .figures()
                 .into_iter()
                 .chain(of_classes)
+                .chain(ends(error))
                 .chain([("flip", flip.unwrap_or(0.0)), ("ssim", ssim.unwrap_or(0.0))])
         });
         let truth = self.truth.iter().flat_map(|truth| {
@@ -37,16 +40,19 @@ impl Run {
             samples.chain(spreads).chain(of_frame)
         });
         let details = self.details.iter().flat_map(|detail| &detail.values).map(|value| ("details", *value));
+        let stability = self.stability.and_then(|stability| stability.figures);
+        let stability = stability.into_iter().flat_map(StabilityFigures::all);
         let of_stage = |stage: &StageError| {
             let classes = stage.classes.values().copied().collect::<Vec<_>>();
             [stage.rms, stage.share].into_iter().chain(classes).map(|value| ("stages", value)).collect::<Vec<_>>()
         };
         let stages = self.stages.iter().flat_map(of_stage);
-        let mut figures = error.chain(truth).chain(time).chain(details).chain(stages);
+        let mut figures = error.chain(truth).chain(time).chain(details).chain(stability).chain(stages);
         figures.find(|(_, value)| !value.is_finite()).map(|(name, _)| name)
     }
 
-    /// The first contradiction in it: errors though it wasn't measured, none though it was, sizes or noise below 0.
+    /// The first contradiction in it: errors though it wasn't measured, none though it was, sizes or noise below 0, intervals from a
+    /// larger to a smaller number.
     pub(super) fn contradiction(&self) -> Option<String> {
         let is_measured = self.status == Status::Ok;
         if is_measured != self.error.is_some() {
@@ -57,9 +63,25 @@ impl Run {
         let error = self.error.as_ref()?;
         let of_classes = error.classes.iter().map(|class| &class.metrics);
         let mut metrics = std::iter::once(&error.metrics).chain(of_classes).flat_map(Metrics::figures);
-        let (name, value) = metrics.find(|(name, value)| *name != "bias" && *value < 0.0)?;
-        Some(format!("{name} of {} is {value}, below 0", self.place()))
+        if let Some((name, value)) = metrics.find(|(name, value)| *name != "bias" && *value < 0.0) {
+            return Some(format!("{name} of {} is {value}, below 0", self.place()));
+        }
+        let (name, [low, high]) = intervals(error).find(|(_, [low, high])| low > high)?;
+        Some(format!("the interval of {name} of {} is from {low} to {high}", self.place()))
     }
+}
+
+/// Intervals of all receivers and of classes, by the names of their figures.
+fn intervals(error: &ErrorFigures) -> impl Iterator<Item = (&'static str, [f64; 2])> {
+    let all = std::iter::once(&error.metrics).chain(error.classes.iter().map(|class| &class.metrics));
+    all.filter_map(|metrics| metrics.intervals).flat_map(Intervals::all)
+}
+
+/// Ends of intervals, and the RMSEs of parts of the receivers.
+fn ends(error: &ErrorFigures) -> impl Iterator<Item = (&'static str, f64)> {
+    let ends = intervals(error).flat_map(|(_, ends)| ends.map(|end| ("intervals", end)));
+    let without = error.metrics.rmse_without.iter().flat_map(LeftOut::values);
+    ends.chain(without.map(|rmse| ("rmse_without", *rmse)))
 }
 
 impl PictureFiles {
@@ -82,7 +104,9 @@ impl Results {
                 .then(|| format!("the difference of {} and {}", it.first, it.second))
         });
         let pictures = self.pictures.iter().filter_map(PictureFiles::not_finite);
-        published.chain(runs).chain(differences).chain(pictures).next()
+        let bounds = self.stability.iter().flat_map(|bounds| bounds.all());
+        let bounds = bounds.filter(|(_, bound)| !bound.is_finite()).map(|(name, _)| format!("the bound of {name}"));
+        published.chain(bounds).chain(runs).chain(differences).chain(pictures).next()
     }
 }
 
@@ -90,6 +114,16 @@ impl Results {
 mod tests {
     use super::*;
     use crate::{results::tests::example, statistics::Spread};
+
+    const NARROW: Intervals = Intervals {
+        rmse: [1.0; 2],
+        rel_rmse: None,
+        bias: [1.0; 2],
+        mae: [1.0; 2],
+        p95: None,
+        p99: Some([1.0; 2]),
+        negative: [0.0; 2],
+    };
 
     #[test]
     fn numbers_that_are_not_finite_are_refused_by_name() {
@@ -104,6 +138,10 @@ mod tests {
         let max = refused(&|results| metrics(results, |m| m.max = f64::NAN));
         assert!(max.contains("max of vases/0/vertices/exact"), "{max}");
         assert!(refused(&|results| metrics(results, |m| m.p99_noise = Some(f64::INFINITY))).contains("p99_noise"));
+        let interval = |results: &mut Results| {
+            metrics(results, |m| m.intervals = Some(Intervals { bias: [f64::NAN, 1.0], ..NARROW }));
+        };
+        assert!(refused(&interval).contains("intervals"));
         assert!(refused(&|results| results.runs[0].details[0].values.push(f64::NAN)).contains("details"));
         assert!(refused(&|results| results.differences[0].max = f64::INFINITY).contains("difference"));
         assert!(refused(&|results| results.scenes[0].published[0].frames_per_sec = f64::NAN).contains("published"));
@@ -142,6 +180,8 @@ mod tests {
         );
         assert!(metrics(|m| m.max_noise = Some(-1e-9)).contains("max_noise"));
         assert!(metrics(|m| m.p95 = -1.0).contains("p95 of"));
+        let turned = metrics(|m| m.intervals = Some(Intervals { mae: [2.0, 1.0], ..NARROW }));
+        assert!(turned.contains("the interval of mae of `exact` on vertices of scene `vases`, frame 0 is from 2 to 1"));
         assert!(refused(&|run| run.error = None).contains("no error is told of `exact`"));
         assert!(refused(&|run| run.status = Status::Failed).contains("which isn't `ok`"));
     }

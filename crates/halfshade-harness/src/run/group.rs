@@ -6,6 +6,7 @@ use crate::{
     projection::Projection,
     results::{Run, Status},
     ssim::WINDOW,
+    stability::joined_vertices,
 };
 use glam::Vec3;
 use halfshade_scene::{Frame, RadianceBuffer, ReceiverBuffer, Scene};
@@ -18,6 +19,8 @@ pub(super) struct Group<'a> {
     pub(super) kind: ReceiverKind,
     pub(super) receivers: ReceiverBuffer,
     pub(super) references: References,
+    /// Pairs of receivers that are neighbours, if bounds on jumps are stated.
+    pub(super) neighbours: Vec<[u32; 2]>,
     /// How pictures of the group are drawn, if any are.
     pub(super) view: Option<View>,
     /// One for each variant of the plan, in its order.
@@ -57,14 +60,17 @@ impl<'a> Group<'a> {
         let camera = scene.camera;
         let pictured = pictured && setup.is_kept && !setup.plan.pictured.is_empty();
         let tracer = Tracer::new(&frame);
-        let (receivers, projection) = match kind {
+        let has_bounds = setup.plan.stability.is_some();
+        let (receivers, projection, neighbours) = match kind {
             ReceiverKind::Vertices => {
                 let projection = pictured.then(|| Projection::of_vertices(&tracer, &frame, &camera));
-                (ReceiverBuffer::vertices(&frame), projection)
+                let neighbours = has_bounds.then(|| joined_vertices(scene));
+                (ReceiverBuffer::vertices(&frame), projection, neighbours)
             }
             ReceiverKind::Pixels => {
                 let (receivers, projection) = Projection::of_pixels(&tracer, &camera);
-                (receivers, pictured.then_some(projection))
+                let neighbours = has_bounds.then(|| projection.neighbours());
+                (receivers, pictured.then_some(projection), neighbours)
             }
         };
         drop(tracer);
@@ -91,7 +97,8 @@ impl<'a> Group<'a> {
             Row { key: blank.key(), blank }
         };
         let rows = setup.plan.variants.iter().map(row).collect();
-        Ok(Self { frame, kind, receivers, references, view, rows, own })
+        let neighbours = neighbours.unwrap_or_default();
+        Ok(Self { frame, kind, receivers, references, neighbours, view, rows, own })
     }
 
     /// Whether its first run is one of this part, and with it what comes before all runs.
@@ -125,6 +132,7 @@ fn blank(scene: &Scene, frame: usize, kind: ReceiverKind, receiver_count: usize,
         truth: None,
         time: None,
         memory: None,
+        stability: None,
         details: Vec::new(),
         stages: Vec::new(),
     }

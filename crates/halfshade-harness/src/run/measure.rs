@@ -5,8 +5,9 @@ use super::{
     group::Group,
     picture::{difference_key, picture_difference, picture_truth, picture_variant},
     record::Record,
-    score::{Shaded, reference_rows, score},
+    score::{reference_rows, score},
     setup::Setup,
+    shade::Shaded,
     time::{Ready, time},
 };
 use crate::{

@@ -12,7 +12,9 @@ mod resume;
 mod scenes;
 mod score;
 mod setup;
+mod shade;
 mod stages;
+mod steps;
 mod time;
 mod tools;
 
@@ -34,6 +36,7 @@ use record::Record;
 use resume::{RunStart, header_of};
 use setup::Setup;
 use std::collections::BTreeMap;
+use steps::Steps;
 
 /// Runs `experiment` and returns its results; with [`RunOptions::out`], `results.json` and its company lie there.
 pub fn run(experiment: &Experiment, tools: &Tools<'_>, options: &RunOptions) -> Result<Results, HarnessError> {
@@ -114,6 +117,7 @@ fn unmeasured(
         machine: machine::describe(threads, tools.graphics.filter(|_| plan.uses_graphics())),
         strategies: tools.strategies.iter().map(|strategy| strategy.info().name.to_owned()).collect(),
         baseline: plan.baseline.map(|place| plan.variants[place].label.clone()),
+        stability: plan.stability,
         scenes: Vec::new(),
         runs: Vec::new(),
         differences: Vec::new(),

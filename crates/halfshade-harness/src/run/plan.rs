@@ -7,7 +7,8 @@ use super::{
 };
 use crate::{
     Device, Experiment, HarnessError, Part, ReceiverKind, ReferenceKind, Variant, Weighting,
-    experiment::TimingSettings, file_names, reference::Accuracy, report::LEAST_FRAMES, variant,
+    experiment::TimingSettings, file_names, reference::Accuracy, report::LEAST_FRAMES, stability::StabilityFigures,
+    variant,
 };
 use halfshade_scene::InputFile;
 use halfshade_strategy::Strategy;
@@ -44,6 +45,8 @@ pub struct Plan {
     pub classes: bool,
     /// Whether strategies are asked for figures that only they have.
     pub details: bool,
+    /// Bounds on how strategies behave, if they are to be told.
+    pub stability: Option<StabilityFigures>,
     /// Whether errors are taken apart by stages.
     pub stages: bool,
     /// Places in `variants` of pairs that are compared with each other.
@@ -205,6 +208,7 @@ impl Plan {
             weights: experiment.weights,
             classes: experiment.classes,
             details: experiment.details,
+            stability: experiment.stability.as_ref().map(|bounds| *bounds.get_ref()),
             stages: experiment.stages,
             pairs,
             baseline,

@@ -64,7 +64,10 @@ impl References {
         let mesh = trace(ReferenceKind::Mesh)?;
         let mut others = setup.plan.other_references().into_iter().map(trace).collect::<Result<Vec<_>, _>>()?;
         // Relative errors share one denominator, so that they can be compared between references.
-        others.iter_mut().for_each(|other| other.reference.unshadowed_mean = mesh.reference.unshadowed_mean);
+        for Traced { reference, .. } in &mut others {
+            reference.unshadowed_mean = mesh.reference.unshadowed_mean;
+            reference.unshadowed = mesh.reference.unshadowed.clone();
+        }
         Ok(Self { mesh, others })
     }
 

@@ -1,18 +1,21 @@
-//! How far a strategy is from the references: baked, prepared and shaded once.
+//! How far a strategy is from the references.
 
-use super::{group::Group, references::Traced, setup::Setup, stages::stage_errors};
+use super::{
+    group::Group,
+    references::Traced,
+    setup::Setup,
+    shade::{Refusal, Shaded, shade_with},
+    stages::stage_errors,
+};
 use crate::{
-    Reference, ReferenceKind, Variant,
-    ability::inability,
+    Reference, ReferenceKind,
     classes::by_class,
-    clock::time_secs,
     image_metrics::Similarity,
     metrics::compare,
     results::{Detail, ErrorFigures, Memory, REFERENCE, Run, Status, TimeFigures},
-    shading::{count_not_finite, shade_frame},
+    stability::{Stability, StabilityFigures},
 };
 use halfshade_scene::{RadianceBuffer, Scene};
-use halfshade_strategy::{Baked, StrategyError};
 use std::collections::BTreeMap;
 
 /// A variant after it was scored.
@@ -22,39 +25,6 @@ pub(super) struct Scored {
     pub(super) shaded: Option<Shaded>,
 }
 
-/// A baked strategy that has shaded, and its radiance.
-pub(super) struct Shaded {
-    pub(super) baked: Box<dyn Baked>,
-    pub(super) radiance: RadianceBuffer,
-}
-
-/// Why a variant has no scores.
-pub(super) struct Refusal {
-    status: Status,
-    reason: String,
-}
-
-impl Refusal {
-    fn failed(reason: String) -> Self {
-        Self { status: Status::Failed, reason }
-    }
-
-    fn unsupported(reason: String) -> Self {
-        Self { status: Status::Unsupported, reason }
-    }
-}
-
-impl From<StrategyError> for Refusal {
-    fn from(error: StrategyError) -> Self {
-        match error {
-            StrategyError::Unsupported(reason) => Self::unsupported(reason),
-            StrategyError::Failed(reason) => Self::failed(reason),
-        }
-    }
-}
-
-const NO_KERNELS: &str = "no kernels for graphics devices yet: run it with device `cpu`";
-
 /// Bakes, prepares and shades the variant at `place` once, and compares with every reference.
 pub(super) fn score(setup: &Setup<'_>, group: &Group<'_>, place: usize) -> Scored {
     let blank = &group.rows[place].blank;
@@ -62,27 +32,12 @@ pub(super) fn score(setup: &Setup<'_>, group: &Group<'_>, place: usize) -> Score
         Ok((bake_secs, shaded)) => {
             Scored { runs: compared(setup, group, place, bake_secs, &shaded), shaded: Some(shaded) }
         }
-        Err(Refusal { status, reason }) => {
-            Scored { runs: vec![Run { status, reason: Some(reason), ..blank.clone() }], shaded: None }
+        Err(Refusal { status, reason, not_finite }) => {
+            let is_told = setup.plan.stability.is_some() && not_finite > 0;
+            let stability = is_told.then_some(Stability { not_finite, figures: None });
+            Scored { runs: vec![Run { status, reason: Some(reason), stability, ..blank.clone() }], shaded: None }
         }
     }
-}
-
-/// Seconds of baking, and what a variant has shaded.
-pub(super) fn shade_with(setup: &Setup<'_>, group: &Group<'_>, variant: &Variant) -> Result<(f64, Shaded), Refusal> {
-    let (tools, frame) = (setup.tools, &group.frame);
-    let strategy = tools.strategy(variant).ok_or_else(|| Refusal::unsupported(NO_KERNELS.into()))?;
-    if let Some(reason) = inability(strategy, frame.scene, tools.strategies) {
-        return Err(Refusal::unsupported(reason));
-    }
-    let (bake_secs, baked) = time_secs(tools.clock, || strategy.bake(frame.scene, &variant.params, tools.progress));
-    let mut baked = baked?;
-    let radiance = shade_frame(baked.as_mut(), frame, group.receivers.view())?;
-    let broken = count_not_finite(&radiance);
-    if broken > 0 {
-        return Err(Refusal::failed(format!("{broken} of {} values are not finite", 3 * radiance.len())));
-    }
-    Ok((bake_secs, Shaded { baked, radiance }))
 }
 
 /// A run for each reference that the variant at `place` is compared with.
@@ -101,9 +56,15 @@ fn compared(setup: &Setup<'_>, group: &Group<'_>, place: usize, bake_secs: f64, 
         false => Vec::new(),
     };
     let run_against = |traced: &Traced| {
+        let error = figures(traced.kind, group.frame.scene, radiance, &traced.reference)?;
+        let stability = plan.stability.filter(|_| traced.kind == ReferenceKind::Mesh).map(|_| Stability {
+            not_finite: 0,
+            figures: StabilityFigures::of(radiance, &traced.reference, &error.metrics, &group.neighbours),
+        });
         Some(Run {
             status: Status::Ok,
-            error: Some(figures(traced.kind, group.frame.scene, radiance, &traced.reference)?),
+            error: Some(error),
+            stability,
             truth: Some(traced.figures(&traced.reference)),
             time: Some(TimeFigures::of(bake_secs, setup.threads, Vec::new())),
             memory: Some(memory.clone()),

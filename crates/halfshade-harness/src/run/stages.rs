@@ -13,8 +13,8 @@
 use super::{
     group::Group,
     references::Traced,
-    score::{Shaded, shade_with},
     setup::Setup,
+    shade::{Shaded, shade_with},
 };
 use crate::{ReceiverWeights, Reference, ReferenceKind, Variant, classes, errors::square, results::StageError};
 use halfshade_scene::RadianceBuffer;

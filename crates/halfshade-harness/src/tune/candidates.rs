@@ -4,18 +4,18 @@ use crate::{HarnessError, Variant, run::Tools};
 
 /// A strategy with a level of each of its parameters that have some.
 #[derive(Debug, Clone)]
-pub struct Candidate {
+pub(super) struct Candidate {
     /// The strategy, its parameters and device.
-    pub variant: Variant,
+    pub(super) variant: Variant,
     /// The same as a SPEC.
-    pub spec: String,
+    pub(super) spec: String,
     /// Level of each parameter, from 0 on.
     levels: Vec<usize>,
 }
 
 impl Candidate {
     /// Whether it is of the same strategy and device as `other`, and no level of it is higher: `other` can't be cheaper.
-    pub fn is_below(&self, other: &Self) -> bool {
+    pub(super) fn is_below(&self, other: &Self) -> bool {
         let of_one_kind =
             self.variant.strategy == other.variant.strategy && self.variant.device == other.variant.device;
         of_one_kind && self.levels.iter().zip(&other.levels).all(|(own, other)| own <= other)

@@ -41,7 +41,9 @@ impl Search<'_> {
     pub(super) fn run(&self, candidates: Vec<Candidate>) -> Result<Tried, HarnessError> {
         let planned = &self.plan.scenes[0];
         let mut scene = planned.scene.clone();
-        scene.build_spheres(self.tools.cache, self.tools.progress)?;
+        if self.plan.needs_spheres(self.tools.strategies) {
+            scene.build_spheres(self.tools.cache, self.tools.progress)?;
+        }
         let (ground, sample) = self.ground(&scene, planned.frames[0], planned.receivers[0])?;
         let mut trials: Vec<Trial> = Vec::new();
         self.tools.progress.start("trying settings", candidates.len() as u64);

@@ -6,7 +6,7 @@ use crate::{
     frame_time::{neighbour, timed_frame},
     metrics::compare,
     run::Tools,
-    shading::shade_frame,
+    shading::{count_not_finite, shade_frame},
     statistics::median,
 };
 use halfshade_scene::{Frame, RadianceBuffer, ReceiverBuffer};
@@ -17,11 +17,11 @@ const FAR: f64 = 2.0;
 
 /// A candidate with what was found.
 #[derive(Debug, Clone)]
-pub struct Trial {
+pub(super) struct Trial {
     /// The candidate.
-    pub candidate: Candidate,
+    pub(super) candidate: Candidate,
     /// What was found.
-    pub figures: Figures,
+    pub(super) figures: Figures,
 }
 
 /// What candidates are tried on.
@@ -51,6 +51,9 @@ impl Ground<'_> {
         }
         let mut baked = strategy.bake(self.frame.scene, &candidate.variant.params, tools.progress)?;
         let radiance = shade_frame(baked.as_mut(), &self.frame, self.receivers.view())?;
+        if count_not_finite(&radiance) > 0 {
+            return Ok(None);
+        }
         let Some(error) = compare(&radiance, &self.reference).and_then(|metrics| metrics.rel_rmse) else {
             return Ok(None);
         };

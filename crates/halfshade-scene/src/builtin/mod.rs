@@ -50,6 +50,7 @@ mod studio;
 mod teapot_and_statue;
 #[cfg(feature = "physics")]
 mod toys;
+mod translucent_figure;
 mod two_squirrels;
 mod vases;
 
@@ -80,6 +81,10 @@ pub const SCENES: &[(&str, &str)] = &[
     ("rising-squirrel", "a squirrel rises from a plane under one spherical light: a height a frame (64 spheres)"),
     ("two-squirrels", "two glossy squirrels in an open box under one spherical light (1,024 spheres)"),
     ("courtyard", "a figure walks between walls and columns that stand still, in a studio's soft light"),
+    (
+        "translucent-figure",
+        "a figure of marble that light shines through, while the studio's light turns around it (4k vertices)",
+    ),
     ("crowd", "64 tumbling blobs over a plane, 256 spheres: many blockers at once"),
 ];
 
@@ -102,6 +107,7 @@ pub fn scene(name: &str) -> Option<Scene> {
         "rising-squirrel" => rising_squirrel::scene(),
         "two-squirrels" => two_squirrels::scene(),
         "courtyard" => courtyard::scene(),
+        "translucent-figure" => translucent_figure::scene(),
         "crowd" => small::crowd(),
         _ => return None,
     })

@@ -6,7 +6,7 @@ use super::document::{
 use super::environment::environment;
 use super::source::{Source, named_notes, stem};
 use super::values::{albedo, checked, length, place, radiance};
-use super::{framing, reflectance};
+use super::{framing, reflectance, subsurface};
 use crate::camera::check_resolution;
 use crate::keys::Spanned;
 use crate::scene::DEFAULT_FRAMES_PER_SEC;
@@ -163,6 +163,7 @@ fn object(
         material.reflectance = reflectance::reflectance(source, table.get_ref(), material.albedo)?;
         material.gloss_variation = reflectance::variation(source, table.get_ref(), &mesh, &default_name)?;
     }
+    material.subsurface = table.subsurface.as_ref().map(|table| subsurface::subsurface(source, table)).transpose()?;
     let size = match &skin {
         Some(skin) => skin.reach(&mesh),
         None => mesh.positions.iter().map(|p| f64::from(p.abs().max_element())).fold(0.0, f64::max),

@@ -66,6 +66,8 @@ pub(super) struct ObjectTable {
     pub(super) albedo_texture: At<String>,
     /// Gloss beside the albedo. Without it there is none.
     pub(super) reflectance: At<ReflectanceTable>,
+    /// Light that passes below the surface. Without it there is none.
+    pub(super) subsurface: At<SubsurfaceTable>,
     /// Leaf spheres as a blocker; 0: receives only. Without it 64, of a plane 0.
     #[schemars(range(min = 0, max = MAX_SPHERES))]
     pub(super) spheres: Option<usize>,
@@ -134,6 +136,17 @@ pub(super) struct LobeTable {
     pub(super) axis: [f32; 3],
     /// Exponent, at most 100000.
     pub(super) exponent: f32,
+}
+
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SubsurfaceTable {
+    /// Absorption per metre by channel, from 0 to 1e6.
+    pub(super) absorption: [f32; 3],
+    /// Reduced scattering per metre by channel, from 0 to 1e6.
+    pub(super) reduced_scattering: [f32; 3],
+    /// Refractive index, from 1 to 2.5. Without it 1.4.
+    pub(super) refractive_index: Option<f32>,
 }
 
 #[derive(Debug, Deserialize, JsonSchema)]

@@ -24,6 +24,7 @@ mod environment;
 mod framing;
 mod reflectance;
 mod source;
+mod subsurface;
 mod values;
 
 pub use build::DEFAULT_SPHERE_COUNT;

@@ -35,6 +35,15 @@ pub struct ClusterArrays<'a> {
     pub products: usize,
 }
 
+/// Local lights of a scene that has any.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LocalLights {
+    /// Whether they are known at points of a grid alone.
+    pub is_between_points: bool,
+    /// Whether a window lessens their bands.
+    pub is_windowed: bool,
+}
+
 /// Light of a frame.
 #[derive(Debug, Clone, Copy)]
 pub struct FrameArrays<'a> {
@@ -55,6 +64,12 @@ impl BakedScene {
             products: self.product_count(),
         });
         SceneArrays { bands: transfer.bands, channels: transfer.channels, rows: transfer.rows(), clusters }
+    }
+
+    /// Local lights, if the scene has any.
+    pub fn local_lights(&self) -> Option<LocalLights> {
+        let lamps = self.lamps.as_ref()?;
+        Some(LocalLights { is_between_points: lamps.point_count().is_some(), is_windowed: lamps.is_windowed() })
     }
 
     /// Brings the light up to a frame, and gives it.

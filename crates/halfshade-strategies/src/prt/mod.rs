@@ -15,7 +15,13 @@
 //! **Space.** Vectors are of the world as it is at the first frame. Objects stand still against each other; the scene may move
 //! and turn as a whole, and the light may turn and change: per frame the light's vector is turned the other way. Objects that move
 //! against others or deform are refused, or take their light from an irradiance volume among the others (`bake/volume`): their
-//! shadows are missing then. Unsupported are local lights, whose light isn't the same everywhere.
+//! shadows are missing then.
+//!
+//! **Local lights** are seen elsewhere from every receiver, which makes as many vectors of them as there are receivers
+//! (`kernel/lamps.rs`), `l(x)` in place of `l`. \[Dachsbacher2017\] has several vectors, of several directions of the light, and picks
+//! one or interpolates between them; \[Sloan2002\] samples the light at a few points. `lamp-steps` does this over a grid of
+//! points, vector by vector in linear weights. Transfer knows nothing of distances: what stands behind a local light hides it
+//! as if it stood before it, and light that others reflect is reckoned as if the local light were seen from them as from the receiver.
 //!
 //! **Gloss.** A vertex of a glossy object has a matrix beside its vector, from light to what arrives of it (`bake/gloss.rs`):
 //!
@@ -29,6 +35,11 @@
 //! open surfaces is exact up to the fit's ridge (about 0.1 % of its mean), where something is hidden it errs by what n
 //! bands miss of the lobe: see [`sharpness`] for how sharp it may be. Light that glossy surfaces send to others is left out: what is met
 //! along a ray reflects as if it were diffuse.
+//!
+//! **Translucent objects.** What enters a vertex of a translucent object is a vector like that of a diffuse one, with Fresnel's
+//! transmittance beside the cosine; what leaves another is the sum of those in the weights of a dipole (`bake/subsurface`), a vector
+//! again, so that frames cost what they do without. From local lights it is reckoned as if they shone where light enters as they do where
+//! it leaves.
 //!
 //! **Ringing.** A window (`window`) may lessen what few bands overshoot. On light, `nonnegative` leaves no direction below 0, and so no
 //! vertex, whatever hides it; channels have the same window, since others would change hues. On transfer, it has a window of its own
@@ -65,12 +76,13 @@ use bake::{arrangement::Arrangement, bake, compress::Clusters, table::Transfer, 
 use halfshade_scene::{Cache, EyeLobes, Frame, Pose, Progress, Scene};
 use halfshade_strategy::{Baked, Detail, Effect, Effects, Footprint, Info, Params, Prepared, Strategy, StrategyError};
 use kernel::decode::Product;
-use prepare::{light::FrameLight, products, shaped::LightShape, turns};
+use prepare::{lamps::FrameLamps, light::FrameLight, products, shaped::LightShape, turns};
 use settings::{STAGES, Settings};
 use shade::{
     Shader,
     clusters::ClusterShader,
     gloss::{GlossOver, GlossShader, LobeFits},
+    lamps::LampsOver,
     volume::VolumeShader,
 };
 
@@ -86,6 +98,8 @@ pub struct BakedScene {
     transfer: Transfer,
     arrangement: Arrangement,
     light: FrameLight,
+    /// Local lights, if there are any.
+    lamps: Option<FrameLamps>,
     /// Light times the vectors of clusters, if the transfer is compressed.
     products: Vec<Product>,
     /// Light for objects that move, if any do.
@@ -124,12 +138,22 @@ impl Prt {
                 "a volume of light knows what arrives at points, not how gloss sends it on; mask or ray-traced do";
             return Err(StrategyError::Unsupported(reason.into()));
         }
+        let enters = |number: &usize| scene.objects[*number].material.subsurface.is_some();
+        if let Some(number) = (0..scene.objects.len()).filter(enters).find(|&number| arrangement.moves(number)) {
+            let name = &scene.objects[number].name;
+            let reason = format!(
+                "light below the surface of `{name}` is baked where that stands, but it moves or deforms; hold the scene still at one frame"
+            );
+            return Err(StrategyError::Unsupported(reason));
+        }
+        let lamps = FrameLamps::of(scene, &arrangement, &settings)?;
         sharpness::note(scene, settings.bands, progress);
         let bake::Baked { transfer, volume } = bake(scene, &arrangement, &settings, &self.cache, progress)?;
         Ok(BakedScene {
             transfer,
             arrangement,
             light: FrameLight::new(LightShape::new(&settings), settings.bands, &scene.environment),
+            lamps,
             products: Vec::new(),
             volume,
             incoming: Vec::new(),
@@ -146,14 +170,16 @@ impl Strategy for Prt {
         Info {
             name: "prt",
             summary: "precomputed radiance transfer: a vector per vertex of a scene that stands still, times the light's, a matrix where it is glossy",
-            source: "[Sloan2002][Dachsbacher2017][Sloan2017][Roughton2024]",
+            source: "[Sloan2002][Dachsbacher2017][Sloan2017][Roughton2024][Jensen2001]",
             parameters: Settings::parameters(),
             presets: &[],
             stages: STAGES,
             effects: Effects::of(&[
                 Effect::EnvironmentLight,
+                Effect::LocalLights,
                 Effect::ColouredLight,
                 Effect::GlossyReflectance,
+                Effect::SubsurfaceScattering,
                 Effect::Interreflection,
                 Effect::Motion,
                 Effect::Deformation,
@@ -180,8 +206,14 @@ impl BakedScene {
             products::set(&self.light, vectors, channels, self.product_count(), &mut self.products);
         }
         self.baked_from_world = self.arrangement.pose_from_world(&frame.world_from_object);
+        if let Some(lamps) = &mut self.lamps {
+            lamps.set(frame, &self.baked_from_world);
+        }
         if let Some(volume) = &self.volume {
-            products::set(&self.light, &volume.vectors, volume.channels, volume.rows(), &mut self.incoming);
+            match &self.lamps {
+                Some(lamps) => products::set_by_point(&self.light, lamps, volume, &mut self.incoming),
+                None => products::set(&self.light, &volume.vectors, volume.channels, volume.rows(), &mut self.incoming),
+            }
             self.turns = turns::of(frame, volume, &self.baked_from_world);
         }
         Ok(())
@@ -205,6 +237,9 @@ impl Baked for BakedScene {
     fn footprint(&self) -> Footprint {
         let mut parts = self.transfer.parts();
         parts.push(("light", self.light.bytes() + size_of_val(self.products.as_slice())));
+        if let Some(lamps) = &self.lamps {
+            parts.push(("local lights", lamps.bytes()));
+        }
         if let Some(volume) = &self.volume {
             parts.push(("volume of light", volume.bytes() + size_of_val(self.incoming.as_slice())));
         }
@@ -230,6 +265,9 @@ impl Baked for BakedScene {
                 detail("bytes of the mean and axes of each", (4 * (clusters.components + 1) * width) as f64),
             ]);
         }
+        if let Some(points) = self.lamps.as_ref().and_then(FrameLamps::point_count) {
+            details.push(detail("points at which local lights are known", points as f64));
+        }
         if let Some(volume) = &self.volume {
             let steps = volume.grid.steps().map(|steps| steps as f64);
             details.push(Detail { name: "steps of the volume of light along x, y, z".into(), values: steps.to_vec() });
@@ -246,11 +284,15 @@ impl Baked for BakedScene {
 
     fn prepare(&mut self, frame: &Frame<'_>) -> Result<Box<dyn Prepared + '_>, StrategyError> {
         self.prepare_frame(frame)?;
-        let Self { transfer, light, products, .. } = self;
-        let rest: Box<dyn Prepared + '_> = match &transfer.clusters {
+        let Self { transfer, light, lamps, products, .. } = self;
+        let lamps = lamps.as_ref();
+        let mut rest: Box<dyn Prepared + '_> = match &transfer.clusters {
             Some(clusters) => Box::new(ClusterShader { transfer, table: clusters.table(), light, products }),
             None => Box::new(Shader { transfer, light }),
         };
+        if let Some(lamps) = lamps {
+            rest = Box::new(LampsOver { rest, transfer, light, lamps });
+        }
         if let Some(volume) = &self.volume {
             return Ok(Box::new(VolumeShader {
                 rest,
@@ -265,7 +307,7 @@ impl Baked for BakedScene {
         let gloss = (transfer.gloss.as_ref().zip(self.lobes.as_ref())).zip(EyeLobes::new(frame));
         Ok(match gloss {
             Some(((table, fits), lobes)) => {
-                Box::new(GlossOver { rest, transfer, gloss: GlossShader { table, fits, light, lobes } })
+                Box::new(GlossOver { rest, transfer, gloss: GlossShader { table, fits, light, lamps, lobes } })
             }
             None => rest,
         })

@@ -80,6 +80,7 @@ choice! {
 /// Where it errs, from what is found last to what is found first.
 pub(crate) const STAGES: &[Stage] = &[
     Stage { name: "compression", exact: "compression=none" },
+    Stage { name: "points of local lights", exact: "lamp-steps=0" },
     Stage { name: "window", exact: "window=none" },
     Stage { name: "basis of the light", exact: "light=sh" },
     Stage { name: "rays", exact: "directions=16384" },
@@ -105,6 +106,8 @@ settings! {
         "moving" => moving: Moving = Moving::Refuse;
         /// steps of the volume along its longest side
         "volume-steps" => volume_steps: usize = 12, in 1..=64;
+        /// steps along the scene's longest side between points at which local lights are known; 0: at every receiver
+        "lamp-steps" => lamp_steps: usize = 0, in 0..=64;
         /// factors of bands against ringing
         "window" => window: WindowKind = WindowKind::None;
         /// what the window is on

@@ -9,6 +9,7 @@ pub(crate) mod cosine_spiral;
 pub(crate) mod divided_light;
 pub(crate) mod irradiance;
 pub(crate) mod lamps;
+pub(crate) mod light_cap;
 pub(crate) mod light_space;
 pub(crate) mod origin;
 pub(crate) mod placed_lamps;

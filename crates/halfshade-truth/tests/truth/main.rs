@@ -11,3 +11,4 @@ mod one_alone;
 mod scenes;
 mod self_shadowing;
 mod still;
+mod subsurface;

@@ -99,6 +99,13 @@ fn as_text(info: &Info) -> String {
             }
         }
     }
+    let levels = info.parameters.iter().filter(|parameter| !parameter.levels.is_empty());
+    for parameter in levels {
+        text += &format!("    [tuned: {} = {}]\n", parameter.name, parameter.levels.join(", "));
+    }
+    for stage in info.stages {
+        text += &format!("    [stage of the error: {}, exact by {}]\n", stage.name, stage.exact);
+    }
     for preset in info.presets {
         text += &format!("    {}  [preset: {}]  {}\n", preset.name, preset.settings, preset.summary);
     }
@@ -129,6 +136,7 @@ fn as_json(info: &Info) -> Value {
                 "type": kind,
                 "default": parameter.kind.default(),
                 "range": range,
+                "levels": parameter.levels,
             })
         })
         .collect();
@@ -139,5 +147,6 @@ fn as_json(info: &Info) -> Value {
         "effects": info.effects.iter().map(|effect| effect.name()).collect::<Vec<_>>(),
         "parameters": parameters,
         "presets": info.presets.iter().map(preset_as_json).collect::<Vec<_>>(),
+        "stages": info.stages.iter().map(|it| json!({ "name": it.name, "exact": it.exact })).collect::<Vec<_>>(),
     })
 }

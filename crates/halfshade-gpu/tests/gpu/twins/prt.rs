@@ -9,6 +9,8 @@ use halfshade_gpu::{
 use halfshade_sh::{
     basis,
     hemisphere::{Weight, fitted},
+    wgsl::MAX_WGSL_BANDS,
+    zonal,
 };
 use libtest_mimic::Failed;
 use rand::{RngExt, SeedableRng};
@@ -178,6 +180,63 @@ pub(super) fn lobe(gpu: &Arc<Gpu>) -> Result<(), Failed> {
         let found = probe.call(gpu, &inputs)?;
         let what = format!("{bands} bands, {channels} matrices");
         compare_in_turn(&what, &exponents, tolerance(shader), &found, &expected, 3)?;
+    }
+    Ok(())
+}
+
+/// Light of local lights at random places, within some, and what is infinitely far.
+pub(super) fn lamps(gpu: &Arc<Gpu>) -> Result<(), Failed> {
+    let shader = "prt/lamps.wgsl";
+    let mut random = Pcg64Mcg::seed_from_u64(63);
+    for bands in 1..=MAX_WGSL_BANDS {
+        let (count, parts): (usize, usize) = (bands * bands, (bands * bands).div_ceil(4));
+        let mut number = || random.random_range(-1.0_f32..1.0);
+        let distant: [Vec<f32>; 3] = std::array::from_fn(|_| (0..count).map(|_| number()).collect());
+        let lamps: Vec<[f32; 4]> = [0.02, 0.3, 1.1]
+            .into_iter()
+            .flat_map(|radius| [[number(), number(), number(), radius], [number(), number(), number(), 0.0]])
+            .collect();
+        let inputs: Vec<[f32; 4]> = (0..CALLS).map(|_| [2.0 * number(), 2.0 * number(), 2.0 * number(), 0.0]).collect();
+        let frame = TransferFrame::new(&distant);
+        let variables = [Variable::storage_struct(0, "frame", &frame), Variable::storage(3, "lamps", &lamps)];
+        let constants = [("PARTS", parts as f64), ("LAMPS", 3.0)];
+        let copies = (0..3 * parts).map(|row| {
+            let place = 16 * (row / parts) + row % parts;
+            format!("output[{row}] = light_part({place}u);")
+        });
+        let body = format!("gather_lamps(input[0].xyz); {}", copies.collect::<String>());
+        let probe = Probe {
+            shader,
+            bands: Some(bands),
+            constants: &constants,
+            rows: [1, 3 * parts],
+            body: &body,
+            variables: &variables,
+        };
+        let found = probe.call(gpu, &inputs)?;
+        let place = |row: &[f32; 4]| DVec3::new(row[0].into(), row[1].into(), row[2].into());
+        let caps = |input: &[f32; 4]| {
+            let of_lamp = |lamp: &[[f32; 4]]| {
+                let offset = place(&lamp[0]) - place(input);
+                let sine = f64::from(lamp[0][3]) / offset.length();
+                let versine = if sine >= 1.0 { 2.0 } else { sine * sine / (1.0 + (1.0 - sine * sine).sqrt()) };
+                zonal::rotate_to_axis(&zonal::cap_from_versine(bands, versine), offset.normalize().to_array())
+            };
+            lamps.chunks(2).map(of_lamp).collect::<Vec<_>>()
+        };
+        let expected: Vec<f64> = (inputs.iter())
+            .flat_map(|input| {
+                let caps = caps(input);
+                let light = |channel: usize, i: usize| {
+                    let lit = caps.iter().zip(lamps.chunks(2)).map(|(cap, lamp)| cap[i] * f64::from(lamp[1][channel]));
+                    f64::from(distant[channel][i]) + lit.sum::<f64>()
+                };
+                // Rows of four, filled up with zeros.
+                let padded = move |channel: usize, i: usize| if i < count { light(channel, i) } else { 0.0 };
+                (0..12 * parts).map(move |k| padded(k / (4 * parts), k % (4 * parts))).collect::<Vec<_>>()
+            })
+            .collect();
+        compare(&format!("{bands} bands"), tolerance(shader), &found, &expected, 12 * parts)?;
     }
     Ok(())
 }

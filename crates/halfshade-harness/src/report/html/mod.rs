@@ -110,12 +110,17 @@ pub(super) fn table(table: &Table) -> String {
                 None => "",
             };
             let content = escape(&cell.text);
-            text += &match cell.value.filter(|value| value.is_finite()) {
-                Some(value) => format!("<td class=\"number{rank}\" data-value=\"{value:e}\">{content}</td>"),
-                None if c + 1 == filled && filled + 1 < row.len() => {
+            let bound = cell.holds.map(|holds| if holds { "holds" } else { "breaks" });
+            text += &match (cell.value.filter(|value| value.is_finite()), bound) {
+                (Some(value), bound) => {
+                    let bound = bound.map(|bound| format!(" {bound}")).unwrap_or_default();
+                    format!("<td class=\"number{rank}{bound}\" data-value=\"{value:e}\">{content}</td>")
+                }
+                (None, Some(bound)) => format!("<td class=\"{bound}\">{content}</td>"),
+                (None, None) if c + 1 == filled && filled + 1 < row.len() => {
                     format!("<td colspan=\"{}\">{content}</td>", row.len() - c)
                 }
-                None => format!("<td>{content}</td>"),
+                (None, None) => format!("<td>{content}</td>"),
             };
         }
         text += "</tr>\n";

@@ -35,7 +35,7 @@ impl Axes {
     fn new(series: &[Series]) -> Self {
         let points = || series.iter().flat_map(|series| &series.points);
         let x = log_range(points().map(|p| p.frame_secs));
-        let y = log_range(points().flat_map(|p| [p.error, p.error + p.error_noise]));
+        let y = log_range(points().flat_map(|p| [p.error, p.error_ends[1]]));
         Self { x_ticks: ticks(&x, |secs| seconds(secs, 2)), y_ticks: ticks(&y, percent), x, y }
     }
 }
@@ -111,7 +111,7 @@ fn draw_grid<B: DrawingBackend>(
     Ok(())
 }
 
-/// Draws a point of a series: bars of time and of noise, and a mark.
+/// Draws a point of a series: bars of time and of error, and a mark.
 fn draw_point<B: DrawingBackend>(
     chart: &mut Chart<'_, B>,
     series: &Series,
@@ -122,8 +122,8 @@ fn draw_point<B: DrawingBackend>(
     let (x, y) = (point.frame_secs, point.error);
     let low = (x - point.frame_secs_mad).max(0.05 * x);
     chart.draw_series([PathElement::new(vec![(low, y), (x + point.frame_secs_mad, y)], thin)])?;
-    let low = (y - point.error_noise).max(0.05 * y);
-    chart.draw_series([PathElement::new(vec![(x, low), (x, y + point.error_noise)], thin)])?;
+    let [low, high] = point.error_ends;
+    chart.draw_series([PathElement::new(vec![(x, low.max(0.05 * y)), (x, high)], thin)])?;
     let (inside, outline) = mark(series.look, point.resolved, scale);
     chart.draw_series([EmptyElement::at((x, y)) + inside + outline])?;
     Ok(())

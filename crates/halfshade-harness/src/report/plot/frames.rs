@@ -18,19 +18,22 @@ use plotters::{
     },
 };
 
-/// A figure over frames: its axis, and its value and spread at a point.
+/// A figure over frames: its axis, and at a point its value and the ends of its bar.
 struct Figure {
     title: &'static str,
     label: fn(f64) -> String,
-    value: fn(&Point) -> (f64, f64),
+    value: fn(&Point) -> (f64, [f64; 2]),
 }
 
 const FIGURES: [Figure; 2] = [
-    Figure { title: "relative RMSE", label: percent, value: |point| (point.error, point.error_noise) },
+    Figure { title: "relative RMSE", label: percent, value: |point| (point.error, point.error_ends) },
     Figure {
         title: "time per frame",
         label: |secs| seconds(secs, 2),
-        value: |point| (point.frame_secs, point.frame_secs_mad),
+        value: |point| {
+            let (secs, mad) = (point.frame_secs, point.frame_secs_mad);
+            (secs, [secs - mad, secs + mad])
+        },
     },
 ];
 
@@ -67,7 +70,7 @@ fn draw_panel<B: DrawingBackend>(
     let px = |n: u32| n * scale;
     let points = || curves.iter().flat_map(|curve| &curve.points);
     let values = points().map(figure.value).filter(|(value, _)| *value > 0.0);
-    let y = log_range(values.flat_map(|(value, spread)| [value, value + spread]));
+    let y = log_range(values.flat_map(|(value, [_, high])| [value, high]));
     let (first, last) = points().fold((usize::MAX, 0), |(first, last), it| (first.min(it.frame), last.max(it.frame)));
     let margin = (0.06 * (last - first) as f64).max(0.5);
     let x = first as f64 - margin..last as f64 + margin;
@@ -90,15 +93,15 @@ fn draw_panel<B: DrawingBackend>(
     let frame = vec![(x.start, y.end), (x.start, y.start), (x.end, y.start)];
     chart.draw_series([PathElement::new(frame, RGBColor(60, 60, 60).stroke_width(scale))]).map_err(text)?;
     for curve in curves {
-        let shown: Vec<(f64, f64, f64, bool)> = (curve.points.iter())
+        let shown: Vec<(f64, f64, [f64; 2], bool)> = (curve.points.iter())
             .map(|point| (point.frame as f64, (figure.value)(point), point.resolved))
             .filter(|(_, (value, _), _)| *value > 0.0)
-            .map(|(frame, (value, spread), resolved)| (frame, value, spread, resolved))
+            .map(|(frame, (value, ends), resolved)| (frame, value, ends, resolved))
             .collect();
         let line = shown.iter().map(|(frame, value, ..)| (*frame, *value)).collect();
         draw_curve(&mut chart, line, curve.look, scale).map_err(text)?;
-        for (frame, value, spread, resolved) in shown {
-            let bar = vec![(frame, (value - spread).max(0.05 * value)), (frame, value + spread)];
+        for (frame, value, [low, high], resolved) in shown {
+            let bar = vec![(frame, low.max(0.05 * value)), (frame, high)];
             chart.draw_series([PathElement::new(bar, curve.look.color.stroke_width(scale))]).map_err(text)?;
             let (inside, outline) = mark(curve.look, resolved, scale);
             chart.draw_series([EmptyElement::at((frame, value)) + inside + outline]).map_err(text)?;

@@ -14,7 +14,8 @@ pub(super) struct Point {
     pub(super) frame_secs: f64,
     pub(super) frame_secs_mad: f64,
     pub(super) error: f64,
-    pub(super) error_noise: f64,
+    /// Ends of the error's interval; where none is known, one standard deviation of the truth's noise away.
+    pub(super) error_ends: [f64; 2],
     pub(super) resolved: bool,
     /// The numbers among its parameters that differ within the series.
     pub(super) numbers: String,
@@ -149,6 +150,8 @@ fn point(run: &Run, numbers: &[&str]) -> Option<Point> {
     let (m, scale) = (&error.metrics, truth.unshadowed_mean);
     (scale > 0.0).then_some(())?;
     let value = if m.resolved { m.rmse } else { m.rmse.max(truth.rms_standard_error) } / scale;
+    let noise = m.rmse_noise / scale;
+    let interval = m.intervals.and_then(|intervals| intervals.rel_rmse).filter(|_| m.resolved);
     let spreads = run.time.as_ref().map_or([None; 2], |time| [time.prepare_secs, time.shade_secs]);
     let mads = spreads.into_iter().flatten().map(|spread| spread.mad);
     let point = Point {
@@ -156,7 +159,7 @@ fn point(run: &Run, numbers: &[&str]) -> Option<Point> {
         frame_secs: run.frame_secs().unwrap_or(f64::NAN),
         frame_secs_mad: mads.sum(),
         error: value,
-        error_noise: m.rmse_noise / scale,
+        error_ends: interval.unwrap_or([value - noise, value + noise]),
         resolved: m.resolved,
         numbers: numbers.iter().map(|key| run.params[*key].to_string()).collect::<Vec<_>>().join(", "),
     };
@@ -204,7 +207,7 @@ mod tests {
             frame_secs,
             frame_secs_mad: 0.0,
             error,
-            error_noise: 0.0,
+            error_ends: [error; 2],
             resolved: true,
             numbers: String::new(),
         };

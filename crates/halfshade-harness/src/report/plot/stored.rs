@@ -86,6 +86,7 @@ fn expected_numbers(plot: &Plot) -> usize {
             let last = plot.series.iter().filter_map(|series| series.points.last());
             last.map(|point| told(point) * if point.frame_secs > 0.0 { 2 } else { 1 }).sum()
         }
+        Kind::Stacked => 0,
     }
 }
 
@@ -98,7 +99,7 @@ fn check(plot: &Plot, svg: &str, place: &str) {
     }
     let numbers = texts.iter().filter(|shown| (shown.size - 12.0).abs() < 0.1).count();
     assert_eq!(numbers, expected_numbers(plot), "{place}: points without their numbers");
-    if plot.kind == Kind::OverFrames {
+    if !matches!(plot.kind, Kind::ErrorAgainstTime { .. }) {
         return;
     }
     let of_processor: Vec<_> = plot.series.iter().filter(|series| series.name == series.kind).collect();
@@ -125,7 +126,8 @@ fn stored_plots_can_be_read_and_are_those_of_their_results() {
         let stored = Results::load(&folder).unwrap();
         let groups = Group::all(&stored);
         let over_frames = Plot::over_frames(&stored, &groups).into_iter().map(|(_, plot)| plot);
-        for plot in Plot::error_against_time(&stored, &groups).into_iter().flatten().chain(over_frames) {
+        let stacked = groups.iter().filter_map(|group| Plot::stacked(&stored, group));
+        for plot in Plot::error_against_time(&stored, &groups).into_iter().flatten().chain(over_frames).chain(stacked) {
             let path = folder.join(&plot.file).with_added_extension("svg");
             let svg = plot.svg().unwrap();
             check(&plot, &svg, &path.display().to_string());

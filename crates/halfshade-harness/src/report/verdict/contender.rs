@@ -1,7 +1,8 @@
 //! Strategies that were both scored and timed.
 
-use super::super::{groups::Group, pareto};
+use super::super::{groups::Group, pareto, ratio::Ratio};
 use crate::{
+    Metrics,
     results::{Results, Run, Status},
     statistics::Spread,
 };
@@ -9,10 +10,9 @@ use crate::{
 /// One of them, on one frame.
 pub(super) struct Contender<'a> {
     pub(super) run: &'a Run,
+    pub(super) metrics: &'a Metrics,
     /// Relative RMSE; where the truth can't resolve it, what the truth can just resolve.
     pub(super) error: f64,
-    /// One standard deviation of it under the truth's noise.
-    pub(super) error_noise: f64,
     /// Median seconds of a whole frame.
     pub(super) frame_secs: f64,
     /// Seconds of every round that counts.
@@ -26,8 +26,8 @@ impl<'a> Contender<'a> {
         let resolvable = if m.resolved { 0.0 } else { truth.rms_standard_error / mean };
         let contender = Self {
             run,
+            metrics: m,
             error: m.rel_rmse?.max(resolvable),
-            error_noise: m.rmse_noise / mean,
             frame_secs: run.frame_secs()?,
             rounds: time.samples.iter().map(|sample| sample.prepare_secs + sample.shade_secs).collect(),
         };
@@ -39,7 +39,18 @@ impl<'a> Contender<'a> {
     }
 
     pub(super) fn resolved(&self) -> bool {
-        self.run.error.as_ref().is_some_and(|error| error.metrics.resolved)
+        self.metrics.resolved
+    }
+
+    /// How many times as fast as `baseline`.
+    pub(super) fn speed_beside(&self, baseline: &Self) -> Ratio {
+        let of_medians = || Ratio { value: baseline.frame_secs / self.frame_secs, half_width: None };
+        Ratio::of_times(&baseline.rounds, &self.rounds).unwrap_or_else(of_medians)
+    }
+
+    /// How many times the error of `baseline`.
+    pub(super) fn error_beside(&self, baseline: &Self) -> Ratio {
+        Ratio::of_errors(self.error / baseline.error, self.metrics, baseline.metrics)
     }
 
     /// Median absolute deviation of a frame's time as a share of it.

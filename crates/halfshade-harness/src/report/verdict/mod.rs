@@ -7,7 +7,6 @@
 mod advice;
 mod contender;
 mod over_all;
-mod ratio;
 mod scene;
 
 use super::{groups::Group, table::Table};

@@ -4,20 +4,19 @@ use super::{
     super::{
         groups::Group,
         pareto,
-        significant::significant,
+        ratio::Ratio,
         table::{Cell, Column, Table},
         units::percent,
     },
     contender::{Contender, front},
-    ratio::Ratio,
 };
 
 /// Figures of a strategy over all groups.
 struct Mean<'a> {
     name: &'a str,
     error: f64,
-    speed: f64,
-    error_ratio: f64,
+    speed: Ratio,
+    error_ratio: Ratio,
     /// Groups on whose front it is.
     fronts: usize,
 }
@@ -30,17 +29,21 @@ pub(super) fn over_all(groups: &[(&Group, Vec<Contender<'_>>)], baseline: Option
     let bases = bases.filter(|bases| bases.len() > 1)?;
     let fronts: Vec<Vec<usize>> = groups.iter().map(|(_, all)| front(all)).collect();
     let means: Vec<Mean<'_>> = groups[0].1.iter().filter_map(|it| mean(it.name(), groups, &bases, &fronts)).collect();
-    let points: Vec<(f64, f64)> = means.iter().map(|mean| (mean.speed.recip(), mean.error)).collect();
+    let points: Vec<(f64, f64)> = means.iter().map(|mean| (mean.speed.value.recip(), mean.error)).collect();
     let order = pareto::front(&points);
     let base = means.iter().position(|mean| mean.name == bases[0].name()).filter(|place| !order.contains(place));
     let rows = order.iter().copied().chain(base).map(|place| {
         let mean = &means[place];
         let name = if order.contains(&place) { mean.name.to_owned() } else { format!("({})", mean.name) };
+        let [speed, error_ratio] = match mean.name == bases[0].name() {
+            true => ["1 (baseline)", "1"].map(Cell::text),
+            false => [mean.speed, mean.error_ratio].map(|ratio| Cell::number(ratio.to_string(), ratio.value)),
+        };
         vec![
             Cell::text(name),
             Cell::number(percent(mean.error), mean.error),
-            Cell::number(significant(mean.speed, 3), mean.speed),
-            Cell::number(significant(mean.error_ratio, 2), mean.error_ratio),
+            speed,
+            error_ratio,
             Cell::text(format!("{} of {}", mean.fronts, groups.len())),
         ]
     });
@@ -61,16 +64,17 @@ fn mean<'a>(
     bases: &[&Contender<'_>],
     fronts: &[Vec<usize>],
 ) -> Option<Mean<'a>> {
-    let (mut logs, mut on_front) = ([0.0; 3], 0);
+    let (mut log_error, mut speeds, mut errors, mut on_front) = (0.0, Vec::new(), Vec::new(), 0);
     for (((_, all), base), front) in groups.iter().zip(bases).zip(fronts) {
         let place = all.iter().position(|it| it.name() == name)?;
         on_front += usize::from(front.contains(&place));
         let it = &all[place];
-        let figures = [it.error, Ratio::of_speed(it, base).value, Ratio::of_error(it, base).value];
-        logs.iter_mut().zip(figures).for_each(|(log, figure)| *log += figure.ln() / groups.len() as f64);
+        log_error += it.error.ln() / groups.len() as f64;
+        speeds.push(it.speed_beside(base));
+        errors.push(it.error_beside(base));
     }
-    let [error, speed, error_ratio] = logs.map(f64::exp);
-    Some(Mean { name, error, speed, error_ratio, fronts: on_front })
+    let (speed, error_ratio) = (Ratio::mean(&speeds), Ratio::mean(&errors));
+    Some(Mean { name, error: log_error.exp(), speed, error_ratio, fronts: on_front })
 }
 
 #[cfg(test)]
@@ -99,8 +103,8 @@ mod tests {
         let groups = Group::all(&results);
         let all: Vec<_> = groups.iter().map(|group| (group, contenders(&results, group))).collect();
         let text = over_all(&all, Some("exact")).unwrap().write(Format::Markdown, "");
-        assert!(text.contains("| fast:bands=4 | 10 % | 12.5 | 10 | 2 of 2 |"), "{text}");
-        assert!(text.contains("| exact | 1.0 % | 1.00 | 1.0 | 2 of 2 |"), "{text}");
+        assert!(text.contains("| 10.0 ± 0.1 | 2 of 2 |"), "{text}");
+        assert!(text.contains("| exact | 1.0 % | 1 (baseline) | 1 | 2 of 2 |"), "{text}");
         assert!(over_all(&all, Some("nobody")).is_none());
     }
 }

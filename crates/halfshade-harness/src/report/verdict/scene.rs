@@ -2,6 +2,7 @@
 
 use super::{
     super::{
+        error_cell::between,
         groups::Group,
         significant::significant,
         table::{Cell, Column, Table},
@@ -9,7 +10,6 @@ use super::{
     },
     advice::advice,
     contender::{Contender, front},
-    ratio::Ratio,
 };
 use crate::results::Results;
 
@@ -36,7 +36,7 @@ pub(super) fn scene(results: &Results, group: &Group, all: &[Contender<'_>], bas
         let memory = it.run.memory.as_ref().map_or(Cell::empty(), |memory| Cell::text(bytes(memory.bytes)));
         let mut row = vec![
             Cell::text(if front.contains(&place) { it.name().to_owned() } else { format!("({})", it.name()) }),
-            Cell::number(error(it), it.error),
+            Cell::number(error_with_interval(it), it.error),
             Cell::number(seconds(it.frame_secs, 3), it.frame_secs),
             Cell::number(significant(it.frame_secs.recip(), 3), it.frame_secs.recip()),
             memory,
@@ -57,12 +57,18 @@ fn error(it: &Contender<'_>) -> String {
     if it.resolved() { percent(it.error) } else { format!("below {}", percent(it.error)) }
 }
 
+/// The same with its interval, if that is known.
+fn error_with_interval(it: &Contender<'_>) -> String {
+    let interval = it.metrics.intervals.and_then(|intervals| intervals.rel_rmse).filter(|_| it.resolved());
+    interval.map_or_else(|| error(it), |ends| format!("{} ({})", error(it), between(ends, percent)))
+}
+
 /// Cells of both ratios; empty for the baseline itself.
 fn ratios(it: &Contender<'_>, base: &Contender<'_>) -> [Cell; 2] {
     if std::ptr::eq(it, base) {
         return ["1 (baseline)", "1"].map(Cell::text);
     }
-    [Ratio::of_speed(it, base), Ratio::of_error(it, base)].map(|ratio| Cell::number(ratio.to_string(), ratio.value))
+    [it.speed_beside(base), it.error_beside(base)].map(|ratio| Cell::number(ratio.to_string(), ratio.value))
 }
 
 /// The fastest below each limit, in a sentence.
@@ -102,12 +108,13 @@ fn fastest(all: &[Contender<'_>]) -> String {
 fn beside(all: &[Contender<'_>], front: &[usize], base: &Contender<'_>) -> Option<String> {
     let on_front = front.iter().map(|place| &all[*place]).filter(|it| !std::ptr::eq(*it, base));
     let chosen = LIMITS.iter().rev().find_map(|limit| on_front.clone().find(|it| it.error < *limit))?;
-    let (speed, error) = (Ratio::of_speed(chosen, base), Ratio::of_error(chosen, base));
+    let (speed, error) = (chosen.speed_beside(base), chosen.error_beside(base));
+    let is_paired = [chosen, base].iter().all(|it| it.metrics.rmse_without.is_some());
     Some(format!(
-        "{} is {speed} times as fast as {} and errs {error} times as much (± half a 95 % interval: of paired rounds, and of the \
-         truth's noise).",
+        "{} is {speed} times as fast as {} and errs {error} times as much (± half a 95 % interval: of paired rounds, and of {}).",
         chosen.name(),
-        base.name()
+        base.name(),
+        if is_paired { "paired receivers" } else { "the truth's noise" }
     ))
 }
 

@@ -24,6 +24,7 @@ fn everything_a_file_can_say_arrives() {
         fit = "bounding"
         clusters = 3
         reflectance = { model = "modified-phong", specular = [0, 0.5, 0.25], exponent = 30 }
+        subsurface = { absorption = [0, 1, 2], reduced_scattering = [30, 20, 10] }
         keyframe = [{ time = 0 }, { time = 2, translate = [0, 4, 0], rotate = [0, 2, 0, 90], scale = 4 }]
         [[object]]
         shape = "plane"
@@ -59,6 +60,9 @@ fn everything_a_file_can_say_arrives() {
     assert_eq!(ball.material.albedo, Vec3::new(1.0, 0.5, 0.0));
     let specular = Vec3::new(0.0, 0.5, 0.25);
     assert_eq!(ball.material.reflectance, Reflectance::ModifiedPhong { specular, exponent: 30.0 });
+    let medium = ball.material.subsurface.unwrap();
+    assert_eq!((medium.absorption, medium.reduced_scattering), (Vec3::new(0.0, 1.0, 2.0), Vec3::new(30.0, 20.0, 10.0)));
+    assert_eq!((medium.refractive_index, floor.material.subsurface), (1.4, None));
     let Reflectance::Lafortune { lobes } = &floor.material.reflectance else { panic!() };
     let axis = Vec3::new(-1.0, -0.9, 0.95);
     assert_eq!(lobes[0], LafortuneLobe { scale: Vec3::new(0.1, 0.2, 0.3), axis, exponent: 20.0 });
@@ -90,6 +94,14 @@ const MISTAKES: &[(&str, usize, &[&str])] = &[
     ("albedo = [1, 1]", 3, &["`albedo` must be a list of 3 numbers, not a list of 2"]),
     ("albedo_texture = \"x.png\"", 3, &["`box` has no texture coordinates"]),
     ("reflectance = {}", 3, &["`reflectance` needs the key `model`"]),
+    ("subsurface = {}", 3, &["needs the key `absorption`"]),
+    ("subsurface = { absorption = [1, 1, 1], scattering = 1 }", 3, &["unknown key `scattering`", "reduced_scattering"]),
+    (
+        "subsurface.absorption = [0, 0, 0]\nsubsurface.reduced_scattering = [0, 1, 1]",
+        3,
+        &["add up to at least", "leave"],
+    ),
+    ("subsurface.absorption = [0, 0, -1]\nsubsurface.reduced_scattering = [1, 1, 1]", 3, &["within [0, 1e6]"]),
     ("reflectance = { model = \"ward\" }", 3, &["unknown model `ward`", "modified-phong", "lafortune"]),
     ("reflectance = { model = \"phong\", shine = 1 }", 3, &["unknown key `shine`", "specular"]),
     ("reflectance = { model = \"phong\", exponent = 1 }", 3, &["`phong` needs specular"]),

@@ -88,8 +88,11 @@ pub(crate) fn colour_key(shape: &CacheKey, frame: &Frame<'_>, bands: usize) -> C
     let mut key = shape.clone().bytes(b"reflected").value(&(bands as u64));
     for object in &frame.scene.objects {
         let Mesh { colors, texture_coordinates, textures, .. } = &*object.mesh;
-        let Material { albedo, texture, .. } = &object.material;
+        let Material { albedo, texture, subsurface, .. } = &object.material;
         key = key.value(&(albedo, texture.as_deref(), colors));
+        if let Some(medium) = subsurface {
+            key = key.value(medium);
+        }
         let has_pictures = texture.is_some() || !textures.is_empty();
         key = key.value(&has_pictures.then_some(texture_coordinates));
         for texture in textures {

@@ -24,11 +24,11 @@ use rayon::prelude::*;
 use std::f64::consts::PI;
 
 /// Fills in the matrices of light that nothing hides.
-pub(crate) fn open(mut table: GlossTable, points: &[(Vec3, Vec3)], bands: usize) -> GlossTable {
+pub(crate) fn open(mut table: GlossTable, points: &[(Vec3, Vec3)], bands: usize, channels: usize) -> GlossTable {
     let grams = [Weight::Cosine, Weight::Equal].map(|weight| weight.gram(bands));
     let matrix = |&(row, weight): &(usize, Weight)| {
         let (position, normal) = points[row];
-        in_world(&grams[weight as usize], bands, &Hemisphere::frame(position, normal))
+        in_world(&grams[weight as usize], bands, &Hemisphere::frame(position, normal)).repeat(channels)
     };
     table.values = table.rows().par_iter().flat_map_iter(matrix).map(|value| value as f32).collect();
     finish(&mut table, points);
@@ -97,8 +97,8 @@ impl<'a> GlossPasses<'a> {
         let rows = table.rows();
         match reflected {
             None => {
-                table.values =
-                    rows.par_iter().flat_map_iter(|&row| self.direct(row)).map(|value| value as f32).collect();
+                let matrices = |&row: &(usize, Weight)| self.direct(row).repeat(channels);
+                table.values = rows.par_iter().flat_map_iter(matrices).map(|value| value as f32).collect();
             }
             Some((before, key)) => {
                 let width = channels * self.grams[0].len();

@@ -29,18 +29,30 @@ pub(crate) struct Hemisphere {
     directions: Vec<(DVec3, f64)>,
     /// Per direction, its weight times the basis.
     values: Vec<f64>,
+    /// The sum over all directions about +Z, band by band.
+    open: Vec<f64>,
 }
 
 impl Hemisphere {
     pub(crate) fn new(bands: usize, count: usize) -> Self {
+        Self::weighted(bands, count, cosine(bands), |_| 1.0)
+    }
+
+    /// Directions for sums over `1/π passing(n·ω) max(n·ω, 0)` in place of the cosine.
+    pub(crate) fn through(bands: usize, count: usize, passing: impl Fn(f64) -> f64) -> Self {
+        Self::weighted(bands, count, passed(bands, &passing), passing)
+    }
+
+    fn weighted(bands: usize, count: usize, open: Vec<f64>, passing: impl Fn(f64) -> f64) -> Self {
         let spiral: Vec<DVec3> = cosine_spiral(count).collect();
-        let exact = open_transfer(exact_bands(bands, count), DVec3::Z);
-        let weights = weights(&vec![1.0 / count as f64; count], &exact, &spiral);
+        let exact = zonal::to_spherical(&open[..exact_bands(bands, count)]);
+        let base: Vec<f64> = spiral.iter().map(|direction| passing(direction.z) / count as f64).collect();
+        let weights = weights(&base, &exact, &spiral);
         let values = spiral.iter().zip(&weights).flat_map(|(direction, weight)| {
             let y = basis::evaluate(bands, direction.to_array());
             y.into_iter().map(move |value| weight * value)
         });
-        Self { bands, values: values.collect(), directions: spiral.into_iter().zip(weights).collect() }
+        Self { bands, values: values.collect(), directions: spiral.into_iter().zip(weights).collect(), open }
     }
 
     /// Number of directions.
@@ -63,9 +75,9 @@ impl Hemisphere {
         self.directions[k].1
     }
 
-    /// Transfer of a vertex that sees everything: `1/π ∫ y(ω) max(n·ω, 0) dω`.
+    /// Transfer of a vertex that sees everything: `1/π ∫ y(ω) max(n·ω, 0) dω`, times what passes.
     pub(crate) fn open(&self, normal: Vec3) -> Vec<f64> {
-        open_transfer(self.bands, axis_of(normal))
+        zonal::rotate_to_axis(&self.open, axis_of(normal).to_array())
     }
 
     /// The rotation that turns directions about +Z into directions about the normal of a vertex. It is turned about the normal
@@ -94,8 +106,25 @@ impl Hemisphere {
 
 /// Transfer about unit `axis` where nothing hides any light: the clamped cosine over π.
 pub(crate) fn open_transfer(bands: usize, axis: DVec3) -> Vec<f64> {
-    let cosine: Vec<f64> = zonal::clamped_cosine(bands).into_iter().map(|value| value / PI).collect();
-    zonal::rotate_to_axis(&cosine, axis.to_array())
+    zonal::rotate_to_axis(&cosine(bands), axis.to_array())
+}
+
+/// The clamped cosine over π, band by band.
+fn cosine(bands: usize) -> Vec<f64> {
+    zonal::clamped_cosine(bands).into_iter().map(|value| value / PI).collect()
+}
+
+/// The same times what passes at each cosine, by the midpoint rule.
+fn passed(bands: usize, passing: impl Fn(f64) -> f64) -> Vec<f64> {
+    let steps = 4096;
+    let mut sum = vec![0.0; bands];
+    for k in 0..steps {
+        let height = (f64::from(k) + 0.5) / f64::from(steps);
+        let y = basis::evaluate(bands, [(1.0 - height * height).sqrt(), 0.0, height]);
+        let share = 2.0 * height * passing(height) / f64::from(steps);
+        sum.iter_mut().enumerate().for_each(|(l, sum)| *sum += share * y[basis::index(l, 0)]);
+    }
+    sum
 }
 
 /// A normal of unit length, whatever a mesh says.
@@ -143,6 +172,23 @@ mod tests {
                 let worst = sum.iter().zip(&open).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
                 assert!(worst < 1e-9, "{bands} {count} {normal}: {worst}");
             }
+        }
+    }
+
+    /// Fresnel-like factors: all directions together are exact again, and a factor of 1 is the cosine.
+    #[test]
+    fn what_passes_is_summed_exactly() {
+        let even = passed(6, |_| 1.0);
+        assert!(even.iter().zip(cosine(6)).all(|(a, b)| (a - b).abs() < 1e-7), "{even:?}");
+        for (bands, count) in [(3, 16), (4, 256), (6, 1024)] {
+            let hemisphere = Hemisphere::through(bands, count, |cosine| cosine.sqrt());
+            let normal = NORMALS[2];
+            let sum = hemisphere.sum(&Hemisphere::frame(Vec3::ONE, normal), 0..count);
+            let (exact, open) = (exact_bands(bands, count), hemisphere.open(normal));
+            let worst = sum.iter().zip(&open).take(exact * exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(worst < 1e-9, "{bands} {count}: {worst}");
+            // ∫ 2 x^1.5 dx = 0.8 of the sky.
+            assert!((open[0] * (4.0 * PI).sqrt() - 0.8).abs() < 1e-4);
         }
     }
 

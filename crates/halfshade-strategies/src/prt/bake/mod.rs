@@ -10,7 +10,7 @@
 //! with R_x the rotation about the normal, h_k what is hit and a its albedo, T between vertices interpolated by barycentric
 //! weights. Open directions are remembered as bits, so that a bounce traces the blocked ones alone; hits are found anew for each
 //! bounce, so that memory holds three tables and a bit per ray, however many there are. Both faces of a triangle reflect, as both
-//! block: see `rows.rs`.
+//! block: see `rows.rs`. After each pass, what has entered translucent objects leaves them elsewhere (`subsurface`).
 
 pub(crate) mod arrangement;
 mod chunks;
@@ -20,6 +20,7 @@ pub(crate) mod gloss_table;
 pub(crate) mod hemisphere;
 mod passes;
 pub(crate) mod rows;
+mod subsurface;
 mod surface;
 pub(crate) mod table;
 pub(crate) mod volume;
@@ -34,12 +35,13 @@ use chunks::{Chunks, colour_key, shape_key};
 use compress::Clusters;
 use gloss::GlossPasses;
 use gloss_table::GlossTable;
-use halfshade_scene::{Cache, Frame, Progress, Scene};
+use halfshade_scene::{Cache, Frame, Object, Progress, Scene};
 use halfshade_strategy::StrategyError;
 use hemisphere::Hemisphere;
 use passes::Passes;
 use rayon::prelude::*;
 use rows::Rows;
+use subsurface::Media;
 use surface::Surfaces;
 use table::Transfer;
 use volume::{Probes, Volume};
@@ -74,7 +76,8 @@ pub(crate) fn bake(
     let bounces = if settings.transfer == TransferKind::Interreflected { scene.bounces } else { 0 };
     let rows = Rows::new(&frame, is_traced);
     let probe_count = grid.as_ref().map_or(0, Grid::len);
-    progress.start("transfer", (rows.points.len() * (1 + bounces) + probe_count) as u64);
+    let media = Media::new(&frame, &rows, settings.bands, settings.directions);
+    progress.start("transfer", ((rows.points.len() + media.row_count()) * (1 + bounces) + probe_count) as u64);
     let hemisphere = Hemisphere::new(settings.bands, settings.directions);
     let objects = scene.objects.iter().map(|object| object.mesh.clone()).zip(rows.objects.iter().copied()).collect();
     let mut transfer = Transfer {
@@ -86,18 +89,24 @@ pub(crate) fn bake(
         clusters: None,
         gloss: None,
     };
-    let channels = if bounces == 0 || scene.objects.iter().all(|object| object.is_grey()) { 1 } else { 3 };
+    let colours_light = |object: &Object| !object.is_grey() && (bounces > 0 || object.material.subsurface.is_some());
+    let channels = if scene.objects.iter().any(colours_light) { 3 } else { 1 };
     let gloss = GlossTable::plan(&frame, &rows, settings.bands, channels)?;
+    let chunks = Chunks::new(cache, progress);
     let volume = if !is_traced {
-        let open = |(_, normal): &_| hemisphere.open(*normal).into_iter().map(|value| value as f32);
-        transfer.values = rows.points.par_iter().flat_map_iter(open).collect();
-        transfer.gloss = gloss.map(|table| gloss::open(table, &rows.points, settings.bands));
+        let open = |(number, (_, normal)): (usize, &(_, _))| {
+            media.hemisphere(number, &hemisphere).open(*normal).into_iter().map(|value| value as f32)
+        };
+        transfer.values = rows.points.par_iter().enumerate().flat_map_iter(open).collect();
+        let key = colour_key(&shape_key(&frame, 0), &frame, settings.bands).bytes(b"open");
+        media.scatter(&mut transfer, channels, &chunks, &key)?;
+        transfer.gloss = gloss.map(|table| gloss::open(table, &rows.points, settings.bands, transfer.channels));
         progress.advance((rows.points.len() + probe_count) as u64);
         grid.map(|grid| Volume::open(grid, settings.bands))
     } else {
         let surfaces = Surfaces::new(&frame, &rows);
-        let chunks = Chunks::new(cache, progress);
-        let passes = Passes { hemisphere: &hemisphere, surfaces: &surfaces, points: &rows.points, chunks: &chunks };
+        let points = &rows.points;
+        let passes = Passes { hemisphere: &hemisphere, media: &media, surfaces: &surfaces, points, chunks: &chunks };
         trace(&frame, &passes, &mut transfer, Extras { channels, grid, gloss })?
     };
     windowed::window(&mut transfer.values, settings);
@@ -126,12 +135,13 @@ fn trace(
     transfer: &mut Transfer,
     Extras { channels, grid, gloss }: Extras,
 ) -> Result<Option<Volume>, StrategyError> {
-    let Passes { hemisphere, surfaces, chunks, .. } = passes;
+    let Passes { hemisphere, media, surfaces, chunks, .. } = passes;
     let (bands, directions) = (transfer.bands, hemisphere.count());
     let shape = shape_key(frame, directions);
     let direct = passes.direct(&shape)?;
     transfer.values = direct.iter().flat_map(|direct| &direct.values).copied().collect();
     let key = |bounce: usize| colour_key(&shape, frame, bands).value(&(bounce as u64));
+    media.scatter(transfer, channels, chunks, &key(0))?;
     // Light that arrives at a point has been reflected once less than light that leaves a receiver there.
     let volume = |reflected: Option<&Transfer>| -> Result<Option<Volume>, StrategyError> {
         let Some(grid) = grid else { return Ok(None) };
@@ -158,6 +168,7 @@ fn trace(
         }
         transfer.values = passes.bounce(&key(bounce), &direct, transfer, channels)?;
         transfer.channels = channels;
+        media.scatter(transfer, channels, chunks, &key(bounce))?;
     }
     Ok(found)
 }

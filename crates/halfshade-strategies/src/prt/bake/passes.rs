@@ -1,6 +1,6 @@
 //! Rays from all rows of the table: once for what is in the way, once per bounce for what reflects.
 
-use super::{chunks::Chunks, hemisphere::Hemisphere, surface::Surfaces, table::Transfer};
+use super::{chunks::Chunks, hemisphere::Hemisphere, subsurface::Media, surface::Surfaces, table::Transfer};
 use glam::{DMat3, Vec3};
 use halfshade_scene::cache::CacheKey;
 use halfshade_strategy::StrategyError;
@@ -9,6 +9,8 @@ use rayon::prelude::*;
 /// Rays: where they start, along what, and against which surfaces.
 pub(crate) struct Passes<'a> {
     pub(crate) hemisphere: &'a Hemisphere,
+    /// Objects that light enters through other hemispheres.
+    pub(crate) media: &'a Media,
     pub(crate) surfaces: &'a Surfaces,
     /// Position and normal of each row.
     pub(crate) points: &'a [(Vec3, Vec3)],
@@ -24,16 +26,16 @@ pub(crate) struct DirectRow {
 }
 
 impl Passes<'_> {
-    /// `T_0` of every row. What takes rays doesn't depend on the number of bands, and is kept for all of them.
+    /// `T_0` of every row, of translucent objects what enters. What takes rays doesn't depend on the number of bands, and is kept for all of them.
     pub(crate) fn direct(&self, key: &CacheKey) -> Result<Vec<DirectRow>, StrategyError> {
         let words = self.hemisphere.count().div_ceil(64);
         let fits = |blocked: &Vec<u64>| [0, words].contains(&blocked.len());
         let blocked = self.chunks.of(key, self.points.len(), fits, |number| self.blocked(self.points[number]))?;
-        let direct = |(&point, blocked): (&(Vec3, Vec3), Vec<u64>)| DirectRow {
-            values: self.transfer(point, &blocked).into_iter().map(|value| value as f32).collect(),
+        let direct = |(number, blocked): (usize, Vec<u64>)| DirectRow {
+            values: self.transfer(number, &blocked).into_iter().map(|value| value as f32).collect(),
             blocked,
         };
-        Ok(self.points.par_iter().zip(blocked).map(direct).collect())
+        Ok(blocked.into_par_iter().enumerate().map(direct).collect())
     }
 
     /// Bits of the directions in which something is in the way.
@@ -51,16 +53,18 @@ impl Passes<'_> {
     }
 
     /// The closed form less what is blocked.
-    fn transfer(&self, (position, normal): (Vec3, Vec3), blocked: &[u64]) -> Vec<f64> {
-        let mut values = self.hemisphere.open(normal);
+    fn transfer(&self, number: usize, blocked: &[u64]) -> Vec<f64> {
+        let (position, normal) = self.points[number];
+        let hemisphere = self.media.hemisphere(number, self.hemisphere);
+        let mut values = hemisphere.open(normal);
         if !blocked.is_empty() {
-            let taken = self.hemisphere.sum(&Hemisphere::frame(position, normal), set_bits(blocked));
+            let taken = hemisphere.sum(&Hemisphere::frame(position, normal), set_bits(blocked));
             values.iter_mut().zip(taken).for_each(|(value, taken)| *value -= taken);
         }
         values
     }
 
-    /// `T_b` of every row, given `T_{b-1}`.
+    /// `T_b` of every row, given `T_{b-1}`; of translucent objects what enters.
     pub(crate) fn bounce(
         &self,
         key: &CacheKey,
@@ -72,12 +76,13 @@ impl Passes<'_> {
         let fits = |row: &Vec<f32>| row.len() == width;
         let rows = self.chunks.of(key, self.points.len(), fits, |number| {
             let point = self.points[number];
+            let hemisphere = self.media.hemisphere(number, self.hemisphere);
             let frame = Hemisphere::frame(point.0, point.1);
             let mut sum: Vec<f64> =
                 direct[number].values.iter().copied().map(f64::from).collect::<Vec<_>>().repeat(channels);
             for k in set_bits(&direct[number].blocked) {
                 let Some(reflector) = self.surfaces.reflector(point, self.along(&frame, k)) else { continue };
-                let weight = self.hemisphere.weight(k);
+                let weight = hemisphere.weight(k);
                 for (row, share) in reflector.rows {
                     add_row(&mut sum, before, row, weight * share, reflector.albedo);
                 }

@@ -41,13 +41,18 @@ impl Rows {
         let mut points: Vec<(Vec3, Vec3)> =
             (0..receivers.len()).map(|i| (view.position_at(i), view.normal_at(i))).collect();
         let mut objects = Vec::new();
+        let is_translucent = |number: usize| frame.scene.objects[number].material.subsurface.is_some();
         let mut first = 0;
         for number in 0..frame.scene.objects.len() {
-            objects.push(ObjectRows { first, back: if with_backs { Back::Dark } else { Back::Open } });
+            // Within translucent objects it is dark.
+            let is_dark = with_backs || is_translucent(number);
+            objects.push(ObjectRows { first, back: if is_dark { Back::Dark } else { Back::Open } });
             first += frame.positions(number).len();
         }
         let mut known: Vec<(Arc<Mesh>, bool)> = Vec::new();
-        for (number, rows) in objects.iter_mut().enumerate().filter(|_| with_backs) {
+        for (number, rows) in
+            objects.iter_mut().enumerate().filter(|(number, _)| with_backs && !is_translucent(*number))
+        {
             let mesh = frame.object(number).mesh;
             let same = known.iter().find(|(other, _)| Arc::ptr_eq(other, &mesh)).map(|(_, is_dark)| *is_dark);
             let is_dark = same.unwrap_or_else(|| is_dark_behind(&mesh));

@@ -34,6 +34,32 @@ impl Transfer {
         &self.values[row * self.width() + channel * count..][..count]
     }
 
+    /// Gives every row of one vector as many equal ones as there are channels, if it has them not yet.
+    pub(crate) fn repeat_channels(&mut self, channels: usize) {
+        if self.channels != channels {
+            let vectors = self.values.chunks_exact(self.bands * self.bands);
+            self.values = vectors.flat_map(|vector| vector.repeat(channels)).collect();
+            self.channels = channels;
+        }
+    }
+
+    /// Adds a share of the vector of a row for a channel, compressed or not.
+    pub(crate) fn add_vector(&self, row: usize, channel: usize, share: f32, sum: &mut [f32]) {
+        let mut add = |vector: &[f32], share: f32| {
+            sum.iter_mut().zip(vector).for_each(|(sum, value)| *sum = share.mul_add(*value, *sum));
+        };
+        let Some(clusters) = &self.clusters else { return add(self.vector(row, channel), share) };
+        let (width, count) = (self.width(), self.bands * self.bands);
+        let first = usize::from(clusters.of_row[row]) * (clusters.components + 1);
+        let part = |number: usize| {
+            let channel = if self.channels == 1 { 0 } else { channel };
+            &clusters.vectors[(first + number) * width + channel * count..][..count]
+        };
+        add(part(0), share);
+        let weights = &clusters.weights[row * clusters.components..][..clusters.components];
+        (1..).zip(weights).for_each(|(number, weight)| add(part(number), share * weight));
+    }
+
     /// All rows, without the padding.
     pub(crate) fn rows(&self) -> &[f32] {
         &self.values[..self.values.len() - PADDING]

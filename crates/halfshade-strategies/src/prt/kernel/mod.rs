@@ -3,5 +3,6 @@
 pub(crate) mod decode;
 pub(crate) mod dot;
 pub(crate) mod grid;
+pub(crate) mod lamps;
 pub(crate) mod lobe;
 pub(crate) mod volume;

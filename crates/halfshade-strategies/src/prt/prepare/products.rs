@@ -1,7 +1,13 @@
 //! Light times vectors that many receivers share.
 
-use super::light::FrameLight;
-use crate::prt::kernel::decode::{Product, multiply};
+use super::{lamps::FrameLamps, light::FrameLight};
+use crate::prt::{
+    bake::volume::Volume,
+    kernel::{
+        decode::{Product, multiply},
+        volume::COEFFICIENTS,
+    },
+};
 use halfshade_sh::{dispatch_bands, kernel::LANES};
 use rayon::prelude::*;
 
@@ -25,4 +31,25 @@ pub(crate) fn set(light: &FrameLight, vectors: &[f32], channels: usize, rows: us
     } else {
         products.par_chunks_mut(TASK).enumerate().for_each(part);
     }
+}
+
+/// The same of a volume where every point has light of its own, that of local lights among it.
+pub(crate) fn set_by_point(light: &FrameLight, lamps: &FrameLamps, volume: &Volume, products: &mut Vec<Product>) {
+    products.resize(volume.rows(), Product::default());
+    // Settings allow no other number of bands.
+    let _: Option<()> = dispatch_bands!(light.bands, N => {
+        let eight = |(number, products): (usize, &mut [Product])| {
+            let first = number * LANES;
+            let places = std::array::from_fn(|lane| volume.grid.point((first + lane).min(volume.grid.len() - 1)));
+            let lights = lamps.with_distant::<N>(&places, &light.vectors);
+            for (lane, products) in products.chunks_exact_mut(COEFFICIENTS).enumerate() {
+                let vectors = &volume.vectors[(first + lane) * COEFFICIENTS * volume.channels * N..];
+                match volume.channels {
+                    1 => multiply::<N, 1>(vectors, &lights[lane], products),
+                    _ => multiply::<N, 3>(vectors, &lights[lane], products),
+                }
+            }
+        };
+        products.par_chunks_mut(LANES * COEFFICIENTS).enumerate().for_each(eight);
+    });
 }

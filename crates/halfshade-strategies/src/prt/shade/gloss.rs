@@ -1,13 +1,13 @@
 //! Reflection of receivers beside their diffuse part, lobe by lobe.
 
-use super::place::Place;
+use super::{lamps::places_in, place::Place};
 use crate::prt::{
     bake::{gloss::in_world, gloss_table::GlossTable, hemisphere::Hemisphere, table::Transfer},
     kernel::{
         dot::{LightVectors, added},
         lobe::{LOBE_BANDS, add_product, fitted_power},
     },
-    prepare::light::FrameLight,
+    prepare::{lamps::FrameLamps, light::FrameLight},
 };
 use glam::{DMat3, Vec3};
 use halfshade_scene::{EyeLobes, Lobes, RadianceMut, Receivers};
@@ -54,6 +54,8 @@ pub(crate) struct GlossShader<'a> {
     pub(crate) table: &'a GlossTable,
     pub(crate) fits: &'a LobeFits,
     pub(crate) light: &'a FrameLight,
+    /// Local lights, if there are any.
+    pub(crate) lamps: Option<&'a FrameLamps>,
     pub(crate) lobes: EyeLobes,
 }
 
@@ -120,14 +122,17 @@ impl GlossShader<'_> {
         });
         let corners: [Option<Corners>; LANES] =
             std::array::from_fn(|lane| self.corners(&places[lane], receivers, start + lane));
+        let with_lamps =
+            self.lamps.map(|lamps| lamps.with_distant::<N>(&places_in(lamps, receivers, start), &self.light.vectors));
+        let light = |lane: usize| with_lamps.as_ref().map_or(&self.light.vectors, |lights| &lights[lane]);
         for number in 0..count {
             let batch = self.batch(&lobes, number);
-            let white = self.products::<N, C>(&batch, &corners);
+            let white = self.products::<N, C>(&batch, &corners, &light);
             for (sum, (scale, white)) in radiance.iter_mut().zip(batch.scales.iter().zip(white)) {
                 *sum = scale.mul_add(white, *sum);
             }
             if places.contains(&Place::Open) {
-                let open = self.open::<N>(&batch, &places, receivers, start);
+                let open = self.open::<N>(&batch, &places, &light, (receivers, start));
                 (0..3).for_each(|channel| radiance[channel] += batch.scales[channel] * open[channel]);
             }
         }
@@ -156,10 +161,11 @@ impl GlossShader<'_> {
     }
 
     /// `b^T M l`, between up to three matrices, each in its own frame.
-    fn products<const N: usize, const C: usize>(
+    fn products<'l, const N: usize, const C: usize>(
         &self,
         batch: &LobeBatch,
         corners: &[Option<Corners>; LANES],
+        light: &impl Fn(usize) -> &'l LightVectors,
     ) -> [f32x8; 3] {
         let mut white = [f32x8::ZERO; 3];
         for corner in 0..3 {
@@ -176,11 +182,10 @@ impl GlossShader<'_> {
                     chosen[lane].map_or(Vec3::Z, |(number, _)| in_frame(batch.axes[lane], self.table.frames[number]))
                 });
                 let lobe = self.fitted::<N>(&axes, batch.exponents, weight).map(|value| value.to_array());
-                let light: &LightVectors = &self.light.vectors;
                 let found = added(|lane| {
                     let mut sums = [f32x8::ZERO; 3];
                     if let Some((number, _)) = chosen[lane] {
-                        add_product::<N, C>(&self.table.values, number, &lobe, lane, light, &mut sums);
+                        add_product::<N, C>(&self.table.values, number, &lobe, lane, light(lane), &mut sums);
                     }
                     sums
                 });
@@ -197,12 +202,12 @@ impl GlossShader<'_> {
     }
 
     /// The same for receivers of which nothing is known, as if nothing hid any light: few, if any, so that they may take long.
-    fn open<const N: usize>(
+    fn open<'l, const N: usize>(
         &self,
         batch: &LobeBatch,
         places: &[Place; LANES],
-        receivers: &Receivers<'_>,
-        start: usize,
+        light: &impl Fn(usize) -> &'l LightVectors,
+        (receivers, start): (&Receivers<'_>, usize),
     ) -> [f32x8; 3] {
         let mut sums = [[0.0_f32; LANES]; 3];
         for lane in (0..LANES).filter(|&lane| places[lane] == Place::Open) {
@@ -212,7 +217,9 @@ impl GlossShader<'_> {
             let mut axes = [Vec3::Z; LANES];
             axes[lane] = in_frame(batch.axes[lane], [frame.z_axis, frame.x_axis].map(|axis| axis.as_vec3()));
             let lobe = self.fitted::<N>(&axes, batch.exponents, weight).map(|value| f64::from(value.to_array()[lane]));
-            for (sum, light) in sums.iter_mut().zip(&self.light.coefficients) {
+            for (sum, light) in sums.iter_mut().zip(light(lane)) {
+                let light = light.map(f32x8::to_array);
+                let light = &light.as_flattened()[..N];
                 sum[lane] = open_product(&lobe, &self.fits.grams[weight as usize], light, &frame) as f32;
             }
         }

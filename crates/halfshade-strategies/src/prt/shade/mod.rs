@@ -2,6 +2,7 @@
 
 pub(crate) mod clusters;
 pub(crate) mod gloss;
+pub(crate) mod lamps;
 pub(crate) mod place;
 pub(crate) mod volume;
 
@@ -13,7 +14,7 @@ use super::{
 use halfshade_scene::{RadianceMut, Receivers};
 use halfshade_sh::{
     dispatch_bands,
-    kernel::{self, LANES},
+    kernel::{self, LANES, ShBatch},
 };
 use halfshade_strategy::Prepared;
 use place::{Place, first_of_eight};
@@ -105,14 +106,19 @@ pub(crate) fn with_open<const N: usize>(
 
 /// Radiance of white receivers that see everything.
 fn open<const N: usize>(light: &FrameLight, receivers: &Receivers<'_>, start: usize) -> [f32x8; 3] {
-    let FrameLight { coefficients, baked_from_world, cosine, .. } = light;
+    let transfer = open_vector::<N>(light, receivers, start);
+    light.coefficients.each_ref().map(|light| {
+        let products = transfer.iter().zip(light);
+        products.fold(f32x8::ZERO, |sum, (t, &l)| t.mul_add(f32x8::splat(l), sum))
+    })
+}
+
+/// Transfer of receivers that see everything.
+pub(crate) fn open_vector<const N: usize>(light: &FrameLight, receivers: &Receivers<'_>, start: usize) -> ShBatch<N> {
+    let FrameLight { baked_from_world, cosine, .. } = light;
     let last = receivers.len() - 1;
     let normals: [glam::Vec3; LANES] =
         std::array::from_fn(|lane| *baked_from_world * receivers.normal_at((start + lane).min(last)));
     let normal = std::array::from_fn(|axis| f32x8::from(normals.map(|normal| normal[axis])));
-    let transfer = kernel::times_bands(&kernel::basis::<f32x8, N>(normal), cosine);
-    coefficients.each_ref().map(|light| {
-        let products = transfer.iter().zip(light);
-        products.fold(f32x8::ZERO, |sum, (t, &l)| t.mul_add(f32x8::splat(l), sum))
-    })
+    kernel::times_bands(&kernel::basis::<f32x8, N>(normal), cosine)
 }

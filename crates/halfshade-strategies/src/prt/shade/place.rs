@@ -32,9 +32,8 @@ impl Place {
     /// That of a point on an object.
     pub(crate) fn on((mesh, rows): &(Arc<Mesh>, ObjectRows), surface: SurfacePoint) -> Self {
         let Some(weights) = surface.weights(mesh) else { return Self::Open };
-        let is_from_behind = matches!(surface, SurfacePoint::Triangle { from_behind: true, .. });
         let first = match rows.back {
-            _ if !is_from_behind => rows.first,
+            _ if !surface.is_from_behind() => rows.first,
             Back::Rows(back) => back,
             Back::Dark => return Self::Dark,
             Back::Open => return Self::Open,

@@ -7,6 +7,7 @@ use crate::prt::{
         hemisphere::Hemisphere,
         passes::Passes,
         rows::Rows,
+        subsurface::Media,
         surface::Surfaces,
         table::Transfer,
     },
@@ -54,7 +55,8 @@ fn of_body(
     progress.start("what a body hides from itself", rows.points.len() as u64);
     let hemisphere = Hemisphere::new(BANDS, directions);
     let surfaces = Surfaces::new(&frame, &rows);
-    let passes = Passes { hemisphere: &hemisphere, surfaces: &surfaces, points: &rows.points, chunks };
+    let passes =
+        Passes { hemisphere: &hemisphere, media: &Media::default(), surfaces: &surfaces, points: &rows.points, chunks };
     let direct = passes.direct(&shape_key(&frame, directions))?;
     let values = direct.iter().flat_map(|direct| &direct.values).map(|&x| if x.is_finite() { x } else { 0.0 });
     Ok(Transfer {

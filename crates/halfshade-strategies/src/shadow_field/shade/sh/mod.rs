@@ -6,13 +6,16 @@ mod light_transfer;
 mod occlusion;
 
 use super::{runs::each_object, traced::transfer};
-use crate::shadow_field::{
-    bake::{basis::Basis, meshes::Source},
-    kernel::{
-        bounded_product::Bound,
-        light_product::{add_distant, add_local, light_cap},
+use crate::{
+    shadow_field::{
+        bake::{basis::Basis, meshes::Source},
+        kernel::{
+            bounded_product::Bound,
+            light_product::{add_distant, add_local},
+        },
+        prepare::sh::ShPrepared,
     },
-    prepare::sh::ShPrepared,
+    shared::light_cap::light_cap,
 };
 use batch::Batch;
 use glam::Vec3;
