@@ -1,4 +1,4 @@
-//! Tells the program which commit it was built from, where git can say.
+//! Tells the program its version, with the commit that it was built from where git can say.
 
 use std::process::Command;
 
@@ -9,7 +9,9 @@ fn main() {
         println!("cargo::rerun-if-changed={log}");
     }
     let commit = git(&["describe", "--always", "--dirty", "--exclude", "*"]);
-    println!("cargo::rustc-env=HALFSHADE_COMMIT={}", commit.unwrap_or_default());
+    let version = std::env::var("CARGO_PKG_VERSION").unwrap_or_default();
+    let revision = commit.map_or(version.clone(), |commit| format!("{version} ({commit})"));
+    println!("cargo::rustc-env=HALFSHADE_REVISION={revision}");
 }
 
 /// Git's answer without the line's end; `None` where there is no git or no repository.

@@ -2,7 +2,7 @@
 //! contract. Nothing else knows of it, yet experiments run it beside all others.
 
 use glam::{Mat3, Vec3};
-use halfshade_harness::{Experiment, clock::SystemClock, results::Status, run};
+use halfshade_harness::{Experiment, Results, clock::SystemClock, results::Status, run};
 use halfshade_scene::{
     Cache, Frame, Progress, RadianceMut, Receivers, Scene, Sphere, light::DistantLight, progress::Silent,
 };
@@ -147,6 +147,22 @@ target = [0, 0.5, 0]
 vertical_fov_degrees = 40
 resolution = [64, 48]
 "#;
+
+/// The program of such a crate is the command with one strategy more.
+#[test]
+fn the_command_runs_it_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let (experiment, out) = (folder.path().join("another.toml"), folder.path().join("out"));
+    std::fs::write(folder.path().join("scene.toml"), SCENE).unwrap();
+    std::fs::write(&experiment, EXPERIMENT).unwrap();
+    let words = ["halfshade".as_ref(), "run".as_ref(), experiment.as_os_str(), "--out".as_ref(), out.as_os_str()];
+    let cache = ["--quick".as_ref(), "-q".as_ref(), "--cache".as_ref(), folder.path().as_os_str()];
+    let arguments = words.into_iter().chain(cache).map(std::ffi::OsStr::to_os_string);
+    let code = halfshade::main_with(arguments, |_| vec![Box::new(FixedDirections)]);
+    assert_eq!(code, std::process::ExitCode::SUCCESS);
+    let results = Results::load(&out).unwrap();
+    assert!(results.runs.iter().any(|run| run.label == "fixed-directions:rings=16" && run.status == Status::Ok));
+}
 
 #[test]
 fn an_experiment_runs_it_beside_the_others() {

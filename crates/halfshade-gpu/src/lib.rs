@@ -4,6 +4,17 @@
 //! with their own parameters. `bake` and the CPU's part of `prepare` are the strategies' own; what they end in goes up, and
 //! `shade` is kernels. The kernels are WGSL files in `shaders/`, with functions of the stem of the Rust file that they are
 //! the twin of; [`kernels::KERNELS`] lists the pairs.
+//!
+//! ```no_run
+//! use halfshade_gpu::{Choice, Gpu, strategies};
+//! use halfshade_scene::Cache;
+//!
+//! // `None` only if it is switched off; where there is no device, an error says what to install.
+//! let Some(gpu) = Gpu::open(&Choice::default())? else { return Ok(()) };
+//! let names: Vec<&str> = strategies(&gpu, &Cache::disabled()).iter().map(|strategy| strategy.info().name).collect();
+//! println!("{} shades by {}", gpu.facts().name, names.join(", "));
+//! # Ok::<(), halfshade_gpu::GpuError>(())
+//! ```
 
 mod analytic;
 mod choice;

@@ -1,7 +1,10 @@
 //! Errors around a measurement, in words a user can act on.
 
-use halfshade_scene::SceneError;
-use std::path::{Path, PathBuf};
+use halfshade_scene::{SceneError, error::place, text::Excerpt};
+use std::{
+    ops::Range,
+    path::{Path, PathBuf},
+};
 
 /// An error of the harness: the input, the output, or a file of ours that cannot be trusted.
 #[derive(Debug, thiserror::Error)]
@@ -10,12 +13,15 @@ pub enum HarnessError {
     #[error(transparent)]
     Scene(#[from] SceneError),
     /// A mistake in a file or on the command line.
-    #[error("{}", located(.path.as_deref(), *.line, .problem))]
+    #[error("{}{problem}{}", place(.path.as_deref(), *.line, .excerpt.as_deref()),
+        .excerpt.as_ref().map(|it| format!("\n{it}")).unwrap_or_default())]
     Input {
         /// The file, if there is one.
         path: Option<PathBuf>,
         /// Line in the file, counted from 1.
         line: Option<usize>,
+        /// That line with a mark under the place, of files that people write.
+        excerpt: Option<Box<Excerpt>>,
         /// The mistake, and how to mend it.
         problem: String,
     },
@@ -34,29 +40,28 @@ pub enum HarnessError {
 impl HarnessError {
     /// A mistake that concerns no file.
     pub fn input(problem: impl Into<String>) -> Self {
-        Self::Input { path: None, line: None, problem: problem.into() }
+        Self::Input { path: None, line: None, excerpt: None, problem: problem.into() }
     }
 
     /// A mistake in the file `path`.
     pub fn in_file(path: &Path, problem: impl Into<String>) -> Self {
-        Self::Input { path: Some(path.to_owned()), line: None, problem: problem.into() }
+        Self::Input { path: Some(path.to_owned()), line: None, excerpt: None, problem: problem.into() }
     }
 
     /// A mistake at `line` of the file `path`.
     pub fn at_line(path: &Path, line: usize, problem: impl Into<String>) -> Self {
-        Self::Input { path: Some(path.to_owned()), line: Some(line), problem: problem.into() }
+        Self::Input { path: Some(path.to_owned()), line: Some(line), excerpt: None, problem: problem.into() }
+    }
+
+    /// A mistake at the bytes `span` of `text`, which is all of the file `path`.
+    pub fn at(path: &Path, text: &str, span: Range<usize>, problem: impl Into<String>) -> Self {
+        let excerpt = Box::new(Excerpt::of(text, span));
+        let (path, line) = (Some(path.to_owned()), Some(excerpt.line));
+        Self::Input { path, line, excerpt: Some(excerpt), problem: problem.into() }
     }
 
     /// A file that cannot be read or written.
     pub fn io(path: &Path, action: &'static str, source: std::io::Error) -> Self {
         Self::Io { path: path.to_owned(), action, source }
-    }
-}
-
-fn located(path: Option<&Path>, line: Option<usize>, problem: &str) -> String {
-    match (path, line) {
-        (Some(path), Some(line)) => format!("{}:{line}: {problem}", path.display()),
-        (Some(path), None) => format!("{}: {problem}", path.display()),
-        (None, _) => problem.to_owned(),
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::{HarnessError, output::write_atomically};
 use glam::Vec3;
+use halfshade_scene::{ExrFacts, exr_bytes as exr_file_bytes};
 use std::{io::Cursor, path::Path};
 
 /// Linear radiance on a grid of pixels; row 0 is the top.
@@ -58,12 +59,40 @@ pub fn srgb(linear: f32) -> f32 {
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
+/// Origin of a picture, which its file tells where the format can.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Origin<'a> {
+    /// Name and version of the program.
+    pub program: &'a str,
+    /// Name of the scene.
+    pub scene: &'a str,
+    /// Frame of its animation.
+    pub frame: usize,
+    /// Method, with the parameters that were set.
+    pub strategy: &'a str,
+    /// Samples of the truth per receiver, where there is one.
+    pub truth_samples: Option<usize>,
+}
+
+impl Origin<'_> {
+    /// Lines of `key: value`.
+    fn lines(&self) -> String {
+        let Self { scene, frame, strategy, truth_samples, .. } = self;
+        let samples = truth_samples.map_or_else(String::new, |samples| format!("truth samples: {samples}\n"));
+        format!(
+            "scene: {scene}\nframe: {frame}\nstrategy: {strategy}\n{samples}units: outgoing radiance, linear and scene-referred, \
+             Rec. 709 primaries"
+        )
+    }
+}
+
 /// An OpenEXR file of one part: each layer's channels are `NAME.R`, `NAME.G`, `NAME.B`; a layer without a name is the
-/// root, `R`, `G`, `B`. 32-bit floating point, lossless.
-pub fn exr_bytes(layers: &[(&str, &Picture)]) -> Result<Vec<u8>, String> {
+/// root, `R`, `G`, `B`. 32-bit floating point, lossless. The attributes `software`, `comments` and `chromaticities` tell the origin.
+pub fn exr_bytes(layers: &[(&str, &Picture)], origin: &Origin<'_>) -> Result<Vec<u8>, String> {
     let (_, first) = layers.first().ok_or("a picture needs a layer")?;
     let layers: Vec<(&str, &[Vec3])> = layers.iter().map(|(name, picture)| (*name, &picture.pixels[..])).collect();
-    halfshade_scene::exr_bytes([first.width, first.height], &layers)
+    let facts = ExrFacts { software: &format!("halfshade {}", origin.program), comments: &origin.lines() };
+    exr_file_bytes([first.width, first.height], &layers, facts)
 }
 
 /// A PNG file.
@@ -82,11 +111,16 @@ pub fn check_extension(path: &Path) -> Result<(), HarnessError> {
 }
 
 /// Writes layers to `.exr`, or the first layer, exposed, to `.png`.
-pub fn write_picture(path: &Path, layers: &[(&str, &Picture)], exposure: f32) -> Result<(), HarnessError> {
+pub fn write_picture(
+    path: &Path,
+    layers: &[(&str, &Picture)],
+    exposure: f32,
+    origin: &Origin<'_>,
+) -> Result<(), HarnessError> {
     check_extension(path)?;
     let bytes = match (extension(path).as_deref(), layers.first()) {
         (Some("png"), Some((_, picture))) => png_bytes(&picture.to_srgb(exposure)),
-        _ => exr_bytes(layers),
+        _ => exr_bytes(layers, origin),
     };
     write_atomically(path, &bytes.map_err(|problem| HarnessError::in_file(path, problem))?)
 }
@@ -100,6 +134,9 @@ mod tests {
     use super::*;
     use exr::prelude::{ReadChannels, ReadLayers};
 
+    const ORIGIN: Origin<'static> =
+        Origin { program: "1.0", scene: "Küche", frame: 7, strategy: "dim:factor=2", truth_samples: Some(64) };
+
     fn gradient() -> Picture {
         let pixels = (0..6).map(|i| Vec3::new(i as f32, 0.5, -0.25 * i as f32)).collect();
         Picture { width: 3, height: 2, pixels }
@@ -109,8 +146,9 @@ mod tests {
     fn exr_layers_read_back_to_the_bit_and_rewrite_the_same() {
         let picture = gradient();
         let error = picture.minus(&Picture::filled(3, 2, Vec3::ONE));
-        let bytes = exr_bytes(&[("", &picture), ("error", &error)]).unwrap();
-        assert_eq!(bytes, exr_bytes(&[("", &picture), ("error", &error)]).unwrap());
+        let layers = [("", &picture), ("error", &error)];
+        let bytes = exr_bytes(&layers, &ORIGIN).unwrap();
+        assert_eq!(bytes, exr_bytes(&layers, &ORIGIN).unwrap());
         let read = exr::prelude::read()
             .no_deep_data()
             .largest_resolution_level()
@@ -119,6 +157,12 @@ mod tests {
             .all_attributes()
             .from_buffered(Cursor::new(bytes))
             .unwrap();
+        let attributes = &read.layer_data.attributes;
+        assert_eq!(attributes.software_name.as_ref().map(ToString::to_string).as_deref(), Some("halfshade 1.0"));
+        let comments = attributes.comments.as_ref().map(ToString::to_string).unwrap();
+        let expected = "scene: K?che\nframe: 7\nstrategy: dim:factor=2\ntruth samples: 64\nunits: outgoing radiance, ";
+        assert!(comments.starts_with(expected), "{comments}");
+        assert_eq!(read.attributes.chromaticities, Some(REC_709));
         let channels = &read.layer_data.channel_data.list;
         let names: Vec<String> = channels.iter().map(|channel| channel.name.to_string()).collect();
         assert_eq!(names, ["B", "G", "R", "error.B", "error.G", "error.R"]);
@@ -155,7 +199,7 @@ mod tests {
 
     #[test]
     fn other_endings_are_refused() {
-        let error = write_picture(Path::new("a.jpg"), &[], 1.0).unwrap_err().to_string();
+        let error = write_picture(Path::new("a.jpg"), &[], 1.0, &ORIGIN).unwrap_err().to_string();
         assert!(error.contains(".exr or .png"), "{error}");
     }
 }

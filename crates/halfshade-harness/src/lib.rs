@@ -1,7 +1,31 @@
 //! Experiments: plan, run, score, time, store, report.
 //!
-//! The harness never names a strategy: whoever calls it hands in the list of all.
+//! The harness never names a strategy: whoever calls it hands in the list of all, with the other tools of [`run::run`]. An experiment
+//! is a file:
+//!
+//! ```
+//! use halfshade_harness::Experiment;
+//! use std::path::Path;
+//!
+//! let text = r#"
+//! name = "soft"
+//! claim = "bands matter"
+//! [truth]
+//! samples = 256
+//! [[scene]]
+//! name = "vases"
+//! [[strategy]]
+//! name = "mine"
+//! bands = [3, 4]
+//! "#;
+//! let experiment = Experiment::parse(text, Path::new("soft.toml"))?;
+//! assert_eq!((experiment.frames.as_slice(), experiment.strategies.len()), (&[0][..], 1));
+//! let mistake = Experiment::parse(&text.replace("samples", "sampels"), Path::new("soft.toml")).unwrap_err();
+//! assert!(mistake.to_string().starts_with("soft.toml:5:1: unknown key `sampels` (did you mean `samples`?)"));
+//! # Ok::<(), halfshade_harness::HarnessError>(())
+//! ```
 
+pub mod ability;
 pub mod check;
 pub mod classes;
 pub mod clock;

@@ -7,7 +7,7 @@ use halfshade_scene::{
     exchange::{mitsuba, pbrt},
     file::{self, Change},
     light::{self, ProbeOptions, Projection, Sky, load_probe},
-    mesh,
+    mesh, text,
 };
 use std::path::Path;
 
@@ -68,8 +68,9 @@ pub fn resolve_changed(
         return Ok(scene);
     }
     let known: Vec<&str> = builtin::SCENES.iter().map(|(name, _)| *name).collect();
+    let meant = text::did_you_mean(name, known.iter().copied());
     Err(HarnessError::input(format!(
-        "unknown scene `{name}`; built in: {}; or give a scene file (.toml, Mitsuba's .xml, pbrt-v4's .pbrt) or a mesh file (.{})",
+        "unknown scene `{name}`{meant}; built in: {}; or give a scene file (.toml, Mitsuba's .xml, pbrt-v4's .pbrt) or a mesh file (.{})",
         known.join(", "),
         MESHES.join(", .")
     )))

@@ -17,7 +17,7 @@ use halfshade_scene::{RadianceBuffer, Scene};
 use serde::{Deserialize, Serialize};
 
 /// The figures, or bounds on them.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StabilityFigures {
     /// Largest error of any value, as a fraction of the mean unshadowed radiance.

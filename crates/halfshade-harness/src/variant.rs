@@ -1,6 +1,7 @@
 //! Strategies with their parameters set: from a SPEC such as `sh-exp:bands=4`, or from the sweeps of an experiment.
 
-use crate::{Device, Experiment, HarnessError};
+use crate::{Device, Experiment, HarnessError, experiment::name_of};
+use halfshade_scene::{keys::Spanned, text};
 use halfshade_strategy::{Params, Strategy};
 
 /// One strategy with every parameter set.
@@ -26,7 +27,7 @@ impl Variant {
         let strategy = strategies
             .iter()
             .position(|strategy| strategy.info().name == name)
-            .ok_or_else(|| format!("unknown strategy `{name}`; known: {}", known(strategies)))?;
+            .ok_or_else(|| text::unknown("strategy", name, strategies.iter().map(|strategy| strategy.info().name)))?;
         let info = strategies[strategy].info();
         let params = info.parse(settings).map_err(|error| format!("strategy `{name}`: {error}"))?;
         let set_by_hand =
@@ -69,29 +70,27 @@ const PRESET: &str = "preset";
 pub fn sweep(experiment: &Experiment, strategies: &[Box<dyn Strategy>]) -> Result<Vec<Variant>, HarnessError> {
     let mut variants: Vec<Variant> = Vec::new();
     for table in &experiment.strategies {
-        let name = table.get_ref().get("name").and_then(|name| name.get_ref().as_str()).ok_or_else(|| {
-            experiment
-                .error_at(table.span().start, format!("[[strategy]] needs a `name`; known: {}", known(strategies)))
-        })?;
-        let at_name = table.get_ref()["name"].span().start;
-        Variant::parse(strategies, name).map_err(|problem| experiment.error_at(at_name, problem))?;
-        let mut specs = vec![(at_name, format!("{name}:"))];
+        let name = name_of(table.get_ref());
+        let at_name = table.get_ref().get("name").map_or(table.span(), Spanned::span);
+        Variant::parse(strategies, &name).map_err(|problem| experiment.error_at(at_name.clone(), problem))?;
+        let mut specs = vec![(at_name.clone(), format!("{name}:"))];
         for (key, value) in table.get_ref().iter().filter(|(key, _)| *key != "name") {
-            let offset = value.span().start;
+            let statement = experiment.statement(value.span());
+            let error = |problem: String| experiment.error_at(statement.clone(), problem);
             let values = match value.get_ref() {
                 toml::Value::Array(values) if values.is_empty() => {
-                    return Err(experiment.error_at(offset, format!("`{key}` is an empty list: nothing to run")));
+                    return Err(error(format!("`{key}` is an empty list: nothing to run")));
                 }
                 toml::Value::Array(values) => values.as_slice(),
                 single => std::slice::from_ref(single),
             };
             if let Some(place) = (0..values.len()).find(|&place| values[..place].contains(&values[place])) {
                 let problem = format!("`{key}` lists {} twice; list each value once", values[place]);
-                return Err(experiment.error_at(offset, problem));
+                return Err(error(problem));
             }
             if specs.len().saturating_mul(values.len()) > MAX_VARIANTS {
                 let problem = format!("the sweep has more than {MAX_VARIANTS} combinations; leave some values out");
-                return Err(experiment.error_at(offset, problem));
+                return Err(error(problem));
             }
             let mut swept = Vec::with_capacity(specs.len() * values.len());
             for (_, spec) in &specs {
@@ -101,22 +100,23 @@ pub fn sweep(experiment: &Experiment, strategies: &[Box<dyn Strategy>]) -> Resul
                         toml::Value::Integer(_) | toml::Value::Float(_) => value.to_string(),
                         _ => {
                             let problem = format!("`{key}` must be a word, a number, or a list of them");
-                            return Err(experiment.error_at(offset, problem));
+                            return Err(error(problem));
                         }
                     };
                     let setting = if key == PRESET { text } else { format!("{key}={text}") };
-                    swept.push((offset, format!("{spec}{setting},")));
+                    swept.push((statement.clone(), format!("{spec}{setting},")));
                 }
             }
             specs = swept;
             // Checked after every key, so that a mistake is reported on its own line.
-            for (offset, spec) in &specs {
-                Variant::parse(strategies, spec).map_err(|problem| experiment.error_at(*offset, problem))?;
+            for (_, spec) in &specs {
+                Variant::parse(strategies, spec).map_err(error)?;
             }
         }
         let before = variants.len();
-        for (offset, spec) in specs {
-            let variant = Variant::parse(strategies, &spec).map_err(|problem| experiment.error_at(offset, problem))?;
+        for (statement, spec) in specs {
+            let variant =
+                Variant::parse(strategies, &spec).map_err(|problem| experiment.error_at(statement, problem))?;
             if variants.iter().all(|other| other.key() != variant.key()) {
                 variants.push(variant);
             }
@@ -127,10 +127,6 @@ pub fn sweep(experiment: &Experiment, strategies: &[Box<dyn Strategy>]) -> Resul
         }
     }
     Ok(variants)
-}
-
-fn known(strategies: &[Box<dyn Strategy>]) -> String {
-    strategies.iter().map(|strategy| strategy.info().name).collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]
@@ -159,19 +155,27 @@ mod tests {
     fn mistakes_name_the_line_and_what_is_known() {
         let text = experiment::tests::SMALL;
         let error = labels(&text.replace("factor", "colour")).unwrap_err();
-        assert_eq!(error, "e.toml:9: strategy `dim`: unknown parameter `colour`; known: factor");
+        let told = "e.toml:9:1: strategy `dim`: unknown parameter `colour`; known: factor\n  |\n9 | colour = [0.5, 0.25]\n  | ^^^";
+        assert!(error.starts_with(told), "{error}");
         let error = labels(&text.replace("\"dim\"\nfactor", "\"dimm\"\nfactor")).unwrap_err();
-        assert!(error.starts_with("e.toml:8: unknown strategy `dimm`; known: dim, black"), "{error}");
+        assert!(
+            error.starts_with("e.toml:8:8: unknown strategy `dimm` (did you mean `dim`?); known: dim, black"),
+            "{error}"
+        );
         assert!(labels(&text.replace("0.25", "7.0")).unwrap_err().contains("expected 0..=1"));
         let error = labels(&text.replace("0.25", "0.5")).unwrap_err();
-        assert!(error.starts_with("e.toml:9: `factor` lists 0.5 twice"), "{error}");
+        assert!(error.starts_with("e.toml:9:1: `factor` lists 0.5 twice"), "{error}");
         let error = labels(&format!("{text}[[strategy]]\nname = \"dim\"\nfactor = 0.25\n")).unwrap_err();
-        assert!(error.starts_with("e.toml:11: all of this `dim` is listed above"), "{error}");
+        assert!(error.starts_with("e.toml:11:8: all of this `dim` is listed above"), "{error}");
         for absurd in ["nan", "inf", "-inf", "1e300"] {
             assert!(labels(&text.replace("0.25", absurd)).is_err(), "{absurd}");
         }
         assert!(labels(&text.replace("[0.5, 0.25]", "[]")).unwrap_err().contains("empty list"));
-        assert!(labels(&text.replace("[0.5, 0.25]", "true")).unwrap_err().contains("a word, a number"));
-        assert!(labels(&text.replace("name = \"dim\"\n", "")).unwrap_err().contains("needs a `name`"));
+        let refused = |text: String| Experiment::parse(&text, Path::new("e.toml")).unwrap_err().to_string();
+        assert!(
+            refused(text.replace("[0.5, 0.25]", "true"))
+                .contains("`factor` must be a text in quotes, a number or a list")
+        );
+        assert!(refused(text.replace("name = \"dim\"\n", "")).contains("`strategy` needs the key `name`"));
     }
 }

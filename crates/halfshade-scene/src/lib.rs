@@ -1,12 +1,26 @@
 //! Everything the strategies and the truth share: meshes, materials, lights, cameras, poses, receivers, sphere sets.
 //!
 //! World space is right-handed with +Y up, in metres. Radiance is linear and scene-referred, Rec. 709 primaries.
+//!
+//! A [`Scene`] is made in code, by [`builtin`], or from a file ([`file::load`]); a [`Frame`] is the scene at one instant:
+//!
+//! ```
+//! use glam::Vec3;
+//! use halfshade_scene::{Environment, Object, Pose, ReceiverBuffer, Scene, builtin::shapes};
+//!
+//! let ball = Object::new("ball", shapes::sphere(4)).pose(Pose::from_translation(Vec3::Y));
+//! let scene = Scene::at_rest("a ball", vec![ball], Environment::constant(Vec3::ONE));
+//! let receivers = ReceiverBuffer::vertices(&scene.frame(0));
+//! assert_eq!(receivers.len(), scene.vertex_count());
+//! assert!((receivers.at(0).position.distance(Vec3::Y) - 1.0).abs() < 1e-6);
+//! ```
 
 pub mod builtin;
 pub mod cache;
 pub mod camera;
 pub mod clusters;
 pub mod deformed;
+pub mod doubts;
 pub mod error;
 pub mod exchange;
 mod exr_file;
@@ -15,6 +29,7 @@ pub mod file;
 pub mod frame;
 pub mod gloss;
 pub mod input;
+pub mod keys;
 pub mod light;
 pub mod lobe;
 pub mod material;
@@ -41,7 +56,7 @@ pub use camera::Camera;
 pub use clusters::{Clusters, cluster};
 pub use deformed::Deformed;
 pub use error::SceneError;
-pub use exr_file::exr_bytes;
+pub use exr_file::{ExrFacts, exr_bytes};
 pub use eye_lobes::EyeLobes;
 pub use frame::{Frame, Placement};
 pub use gloss::{Gloss, GlossVariation};

@@ -6,6 +6,8 @@ pub trait Progress: Sync {
     fn start(&self, label: &str, total: u64);
     /// `steps` more steps of the current stage are done.
     fn advance(&self, steps: u64);
+    /// `done` of `total` steps of all that is asked for are done, each of which may have stages; for work that knows how many.
+    fn overall(&self, _done: u64, _total: u64) {}
     /// A sentence for the user, such as of a cache entry that was refused.
     fn note(&self, _text: &str) {}
 }

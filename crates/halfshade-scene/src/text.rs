@@ -1,4 +1,10 @@
-//! Text files: UTF-8, with or without a byte-order mark.
+//! Text files: UTF-8, with or without a byte-order mark; and how mistakes in them are shown.
+
+mod excerpt;
+mod unknown;
+
+pub use excerpt::Excerpt;
+pub use unknown::{did_you_mean, unknown};
 
 use crate::{SceneError, input};
 use std::path::Path;

@@ -279,12 +279,12 @@ fn a_scene_file_textures_a_mesh_that_has_coordinates() {
     assert_eq!(found, [(Vec3::ZERO, 0.0), (Vec3::ONE, 1.0)]);
 
     let missing = read("none.png").unwrap_err().to_string();
-    assert!(missing.contains("t.toml:4: ") && missing.contains("none.png: cannot be read"), "{missing}");
+    assert!(missing.contains("t.toml:4:18: ") && missing.contains("none.png: cannot be read"), "{missing}");
     let wrong = read("t.obj").unwrap_err().to_string();
     assert!(wrong.contains("t.obj: the image is neither PNG nor JPEG"), "{wrong}");
     written(&folder, "t.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     let bare = read("t.png").unwrap_err().to_string();
-    assert!(bare.contains("t.toml:4: `t` has no texture coordinates"), "{bare}");
+    assert!(bare.contains("t.toml:4:18: `t` has no texture coordinates"), "{bare}");
 }
 
 proptest! {

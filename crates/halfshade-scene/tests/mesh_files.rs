@@ -180,8 +180,8 @@ fn a_scene_file_says_how_colours_are_encoded() {
     assert!((red(scene("mesh = \"a.ply\"").unwrap()) - linear(128)).abs() < 1e-6);
     assert!((red(scene("mesh = \"a.ply\"\ncolors = \"linear\"").unwrap()) - 128.0 / 255.0).abs() < 1e-6);
     for (object, part) in [
-        ("mesh = \"a.ply\"\ncolors = \"gamma\"", "s.toml:3: "),
-        ("mesh = \"b.obj\"\ncolors = \"srgb\"", "s.toml:3: `b` has no vertex colours"),
+        ("mesh = \"a.ply\"\ncolors = \"gamma\"", "s.toml:3:10: "),
+        ("mesh = \"b.obj\"\ncolors = \"srgb\"", "s.toml:3:10: `b` has no vertex colours"),
         ("shape = \"box\"\ncolors = \"srgb\"", "this is a shape"),
         ("mesh = \"a.glb\"\nanimation = 0\ncolors = \"srgb\"", "linear by its specification"),
     ] {

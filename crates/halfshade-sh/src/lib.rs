@@ -10,6 +10,18 @@
 //! - [`exponential`]: from a sum of logarithms back to visibility: series, optimal-linear ([`optimal_linear`]), hybrid;
 //! - [`product`] and [`tripling`]: the SH product and its exact coefficients.
 //!
+//! ```
+//! use halfshade_sh::{basis, zonal};
+//! use std::f64::consts::PI;
+//!
+//! // Visibility beside a blocker of 60 degrees around +x, which covers a quarter of all directions.
+//! let visibility = zonal::rotate_to_axis(&zonal::blocker(4, 0.5), [1.0, 0.0, 0.0]);
+//! let visible = basis::dot(&visibility, &basis::one(4)) / (4.0 * PI);
+//! assert!((visible - 0.75).abs() < 1e-12);
+//! let [toward, away] = [1.0, -1.0].map(|x| basis::reconstruct(&visibility, [x, 0.0, 0.0]));
+//! assert!(toward < 0.2 && away > 0.8);
+//! ```
+//!
 //! From light: [`lat_long`] projects images, [`quadrature`] functions; [`rotation`] turns SH vectors; [`window`] tames
 //! ringing, [`nonnegative`] as little as it must be; [`zh3`] keeps a third band about one axis. [`form_factor`] averages what a receiver sees of a sphere that shines.
 //!

@@ -57,8 +57,7 @@ impl Info {
     }
 
     fn not_a_pair(&self, text: &str) -> SpecError {
-        let names: Vec<&str> = self.presets.iter().map(|preset| preset.name).collect();
-        SpecError::NotAPair { text: text.to_owned(), known: (!names.is_empty()).then(|| names.join(", ")) }
+        SpecError::NotAPair { text: text.to_owned(), known: self.presets.iter().map(|preset| preset.name).collect() }
     }
 }
 
@@ -129,14 +128,16 @@ mod tests {
     #[test]
     fn mistakes_are_named() {
         let error = |settings| info(&[]).parse(settings).unwrap_err().to_string();
-        assert_eq!(error("band=6"), "unknown parameter `band`; known: exp, bands, limit");
+        assert_eq!(error("band=6"), "unknown parameter `band` (did you mean `bands`?); known: exp, bands, limit");
         assert_eq!(error("bands=9"), "`bands=9`: expected 1..=8");
         assert_eq!(error("bands"), "`bands` is not of the form key=value");
         assert_eq!(error("bands=2,exp=series, bands=4"), "`bands` is set twice; give it once");
         assert_eq!(error("bands=2,bands=2"), "`bands` is set twice; give it once");
         assert_eq!(error("exp=magic"), "`exp=magic`: expected series | hybrid");
+        assert_eq!(error("exp=serie"), "`exp=serie`: expected series | hybrid (did you mean `series`?)");
         let error = |settings| info(&PRESETS).parse(settings).unwrap_err().to_string();
-        assert_eq!(error("published"), "`published` is not of the form key=value, nor a preset: as-published, quick");
+        assert_eq!(error("slow"), "`slow` is not of the form key=value, nor a preset: as-published, quick");
+        assert!(error("published").ends_with("quick (did you mean `as-published`?)"));
         assert_eq!(error("quick,as-published"), "`quick` and `as-published` are presets both; give one");
     }
 }

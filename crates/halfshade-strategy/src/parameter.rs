@@ -116,6 +116,12 @@ impl ParameterKind {
         }
     }
 
+    /// The words of a choice; none of a number.
+    pub(crate) fn words(&self) -> impl Iterator<Item = &'static str> {
+        let words = if let Self::Choice { words, .. } = self { words } else { &[] as &[Word] };
+        words.iter().map(|word| word.name)
+    }
+
     /// The value that `text` stands for; `None` if it is out of range or of another type.
     pub(crate) fn parse(&self, text: &str) -> Option<Value> {
         match *self {

@@ -1,6 +1,7 @@
 //! Values of parameters, as a SPEC like `sh-exp:as-published,bands=6` sets them.
 
 use crate::{Parameter, Value, settings::Setting};
+use halfshade_scene::text::{did_you_mean, unknown};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A value for every parameter, each within its range.
@@ -11,15 +12,15 @@ pub struct Params(BTreeMap<&'static str, Value>);
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SpecError {
     /// No parameter of that name.
-    #[error("unknown parameter `{key}`; known: {known}")]
+    #[error("{}", unknown("parameter", .key, .known.iter().copied()))]
     UnknownKey {
         /// The key given.
         key: String,
         /// The keys there are.
-        known: String,
+        known: Vec<&'static str>,
     },
     /// A value out of range or of the wrong type.
-    #[error("`{key}={value}`: expected {expected}")]
+    #[error("`{key}={value}`: expected {expected}{meant}")]
     BadValue {
         /// The key given.
         key: String,
@@ -27,6 +28,8 @@ pub enum SpecError {
         value: String,
         /// Values that would do.
         expected: String,
+        /// The word that was probably meant, as a question; empty if there is none.
+        meant: String,
     },
     /// A key that is set before.
     #[error("`{0}` is set twice; give it once")]
@@ -35,13 +38,23 @@ pub enum SpecError {
     #[error("`{0}` and `{1}` are presets both; give one")]
     TwoPresets(String, String),
     /// Neither `key=value` nor the name of a preset.
-    #[error("`{text}` is not of the form key=value{}", .known.as_ref().map(|known| format!(", nor a preset: {known}")).unwrap_or_default())]
+    #[error("`{text}` is not of the form key=value{}", no_preset(.text, .known))]
     NotAPair {
         /// The text given.
         text: String,
-        /// The presets there are, if any.
-        known: Option<String>,
+        /// The presets there are.
+        known: Vec<&'static str>,
     },
+}
+
+/// Adds that a text is no preset, where there are presets.
+fn no_preset(text: &str, known: &[&str]) -> String {
+    let names = known.join(", ");
+    if known.is_empty() {
+        names
+    } else {
+        format!(", nor a preset: {names}{}", did_you_mean(text, known.iter().copied()))
+    }
 }
 
 impl Params {
@@ -62,12 +75,13 @@ impl Params {
             let (key, text) = (key.trim(), text.trim());
             let parameter = parameters.iter().find(|p| p.name == key).ok_or_else(|| SpecError::UnknownKey {
                 key: key.to_owned(),
-                known: parameters.iter().map(|p| p.name).collect::<Vec<_>>().join(", "),
+                known: parameters.iter().map(|p| p.name).collect(),
             })?;
             let value = parameter.kind.parse(text).ok_or_else(|| SpecError::BadValue {
                 key: key.to_owned(),
                 value: text.to_owned(),
                 expected: parameter.kind.range(),
+                meant: did_you_mean(text, parameter.kind.words()),
             })?;
             if !done.insert(parameter.name) {
                 return Err(SpecError::Twice(key.to_owned()));

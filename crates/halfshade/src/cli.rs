@@ -1,7 +1,18 @@
 //! The arguments: a contract, extended but not broken.
 
+mod count;
+mod files;
+mod global;
+mod shell;
+
+pub(crate) use files::{FileChoice, NewArguments, SchemaArguments};
+pub(crate) use global::GlobalArguments;
+pub(crate) use shell::{CompletionsArguments, ManArguments};
+
+use crate::revision::REVISION;
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use halfshade_harness::{Device, part::ShardChoice, scene_source::MeshLight, threads::MAX_THREADS};
+use count::count;
+use halfshade_harness::{Device, part::ShardChoice, scene_source::MeshLight};
 use halfshade_scene::{
     camera::{MAX_SIDE, check_resolution},
     light::ProbeOptions,
@@ -12,18 +23,11 @@ use std::{convert::Infallible, path::PathBuf, str::FromStr};
 
 /// Compares real-time methods for soft shadows: error and time of every strategy against ray-traced truth.
 #[derive(Debug, Parser)]
-#[command(name = "halfshade", version, arg_required_else_help = true)]
+#[command(name = "halfshade", version = REVISION, arg_required_else_help = true)]
 pub struct Cli {
-    /// Keep baked data in this folder instead of the platform's cache (or set HALFSHADE_CACHE).
-    #[arg(long, global = true, value_name = "DIR")]
-    pub cache: Option<PathBuf>,
-    /// Use this many threads instead of all.
-    #[arg(long, global = true, value_name = "N", value_parser = thread_count)]
-    pub threads: Option<usize>,
-    /// Graphics device to use where one is asked for: auto, off, a number or a part of its name (or set HALFSHADE_GPU)
-    /// [default: auto].
-    #[arg(long, global = true, value_name = "CHOICE")]
-    pub gpu: Option<halfshade_gpu::Choice>,
+    /// Arguments of every command.
+    #[command(flatten)]
+    pub global: GlobalArguments,
     /// The command.
     #[command(subcommand)]
     pub command: Command,
@@ -54,6 +58,14 @@ pub enum Command {
     Check(CheckArguments),
     /// Write tables and plots from stored results, with the pictures that lie beside them; or several results side by side.
     Report(ReportArguments),
+    /// Write a commented scene or experiment file to begin with.
+    New(NewArguments),
+    /// Print the keys of scene or experiment files: as JSON Schema for editors, or as tables.
+    Schema(SchemaArguments),
+    /// Print a script that completes arguments in a shell.
+    Completions(CompletionsArguments),
+    /// Print a manual page.
+    Man(ManArguments),
 }
 
 /// Arguments of `run`.
@@ -447,21 +459,12 @@ fn resolution(text: &str) -> Result<[u32; 2], String> {
     check_resolution(size).map(|()| size)
 }
 
-fn thread_count(text: &str) -> Result<usize, String> {
-    count(text, MAX_THREADS)
-}
-
 fn sample_count(text: &str) -> Result<usize, String> {
     count(text, MAX_SAMPLES)
 }
 
 fn sphere_count(text: &str) -> Result<usize, String> {
     count(text, MAX_SPHERES)
-}
-
-fn count(text: &str, most: usize) -> Result<usize, String> {
-    let count = text.parse().ok().filter(|count| (1..=most).contains(count));
-    count.ok_or_else(|| format!("expected a whole number from 1 to {most}"))
 }
 
 fn stops(text: &str) -> Result<f32, String> {
@@ -493,7 +496,7 @@ fn color(text: &str) -> Result<[f32; 3], String> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{count::thread_count, *};
 
     #[test]
     fn the_arguments_are_consistent() {

@@ -1,9 +1,4 @@
 //! Version and commit of the program.
 
-/// Version and, where it is known, the commit.
-pub fn revision() -> String {
-    match env!("HALFSHADE_COMMIT") {
-        "" => env!("CARGO_PKG_VERSION").to_owned(),
-        commit => format!("{} ({commit})", env!("CARGO_PKG_VERSION")),
-    }
-}
+/// Version and, where it is known, the commit: `0.1.0 (0123abc)`.
+pub const REVISION: &str = env!("HALFSHADE_REVISION");

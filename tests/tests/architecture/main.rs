@@ -13,20 +13,43 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// Name of each of our crates and of what it is made of; tests and benchmarks may use more.
-fn dependencies() -> BTreeMap<String, Vec<String>> {
+/// Our crates, as cargo knows them.
+fn packages() -> Vec<serde_json::Value> {
     let output = Command::new(env!("CARGO"))
         .args(["metadata", "--format-version", "1", "--no-deps", "--offline"])
         .current_dir(root())
         .output()
         .expect("cargo runs");
     let metadata: serde_json::Value = serde_json::from_slice(&output.stdout).expect("metadata is JSON");
-    let packages = metadata["packages"].as_array().expect("packages");
+    metadata["packages"].as_array().expect("packages").clone()
+}
+
+/// Name of each of our crates and of what it is made of; tests and benchmarks may use more.
+fn dependencies() -> BTreeMap<String, Vec<String>> {
     let of = |package: &serde_json::Value| {
         let needed = package["dependencies"].as_array().into_iter().flatten().filter(|d| d["kind"] != "dev");
         needed.filter_map(|d| d["name"].as_str()).map(str::to_owned).collect::<Vec<_>>()
     };
-    packages.iter().map(|package| (package["name"].as_str().expect("a name").to_owned(), of(package))).collect()
+    packages().iter().map(|package| (package["name"].as_str().expect("a name").to_owned(), of(package))).collect()
+}
+
+/// Facts that a registry asks for, of all that isn't for tests alone.
+#[test]
+fn every_crate_says_what_it_is() {
+    for package in packages().iter().filter(|package| package["name"] != "halfshade-tests") {
+        for key in ["description", "license"] {
+            assert!(package[key].as_str().is_some_and(|text| !text.is_empty()), "{}: {key}", package["name"]);
+        }
+        for key in ["keywords", "categories"] {
+            let words = package[key].as_array().expect("a list");
+            assert!((1..=5).contains(&words.len()), "{}: {key}", package["name"]);
+        }
+        let manifest = Path::new(package["manifest_path"].as_str().expect("a path"));
+        let front = std::fs::read_to_string(manifest.with_file_name("src").join("lib.rs")).expect("a library");
+        let mut docs = front.lines().take_while(|line| line.starts_with("//!"));
+        let is_code = |line: &str| line == "//! ```no_run" || line.starts_with("//! assert");
+        assert!(docs.any(is_code), "{}: no example that is compiled on its front page", package["name"]);
+    }
 }
 
 /// Dependencies that each of our crates may have, as ARCHITECTURE.md draws them: lines such as `truth ← scene`.

@@ -33,6 +33,41 @@ fn help_and_version_go_to_stdout_and_usage_errors_end_with_2() {
         halfshade(here.path()).args(arguments).assert().code(2).stdout("");
     }
     refused(halfshade(here.path()).args(["--threads", "0", "list", "scenes"]));
+    // The commit in parentheses, where git could tell.
+    let version = stdout(halfshade(here.path()).arg("--version"));
+    assert_eq!(version, format!("halfshade {}\n", halfshade::REVISION));
+}
+
+#[test]
+fn shells_and_manuals_know_every_command() {
+    let here = folder();
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        let script = stdout(halfshade(here.path()).args(["completions", shell]));
+        assert!(script.contains("halfshade") && script.contains("strategy") && script.contains("compare"), "{shell}");
+    }
+    let page = stdout(halfshade(here.path()).arg("man"));
+    assert!(page.contains(".TH halfshade 1") && page.contains("halfshade\\-render(1)"), "{page}");
+    let page = stdout(halfshade(here.path()).args(["man", "render"]));
+    assert!(page.contains(".TH halfshade\\-render 1") || page.contains(".TH halfshade-render 1"), "{page}");
+    assert!(page.contains("strategy") && page.contains("quiet"), "{page}");
+    let error = refused(halfshade(here.path()).args(["man", "rendre"]));
+    assert!(error.contains("unknown command `rendre` (did you mean `render`?)"), "{error}");
+}
+
+#[test]
+fn what_is_told_beside_the_data_is_for_the_user_to_choose() {
+    let here = folder();
+    let told = |more: &[&str]| {
+        let arguments = ["truth", "one-sphere", "--samples", "16", "--resolution", "8x6", "-o", "t.exr"];
+        let output = halfshade(here.path()).args(arguments).args(more).assert().success().get_output().clone();
+        assert!(String::from_utf8(output.stdout).unwrap().contains("samples: 16"));
+        String::from_utf8(output.stderr).unwrap()
+    };
+    assert_eq!(told(&[]), "note: wrote t.exr\n");
+    let verbose = told(&["-v"]);
+    assert!(verbose.lines().count() > 1 && verbose.contains("note: wrote t.exr"), "{verbose}");
+    assert_eq!(told(&["--quiet"]), "");
+    refused(halfshade(here.path()).args(["list", "scenes", "-q", "-v"]));
 }
 
 #[test]
@@ -232,25 +267,25 @@ fn an_experiment_runs_checks_reports_and_resumes() {
 fn mistakes_in_experiments_name_the_line_and_leave_nothing_behind() {
     let here = folder();
     let cases = [
-        ("samples = 16", "sampels = 16", "bad.toml:6: unknown field `sampels`"),
+        ("samples = 16", "sampels = 16", "bad.toml:6:1: unknown key `sampels` (did you mean `samples`?)"),
         (
             "name = \"ray-traced\"",
             "name = \"raytraced\"",
-            "bad.toml:17: unknown strategy `raytraced`; known: unshadowed, ray-traced",
+            "bad.toml:17:8: unknown strategy `raytraced` (did you mean `ray-traced`?); known: unshadowed, ray-traced",
         ),
-        ("samples = [1, 4]", "samples = [1, 0]", "bad.toml:18: "),
-        ("samples = [1, 4]", "rays = 4", "bad.toml:18: strategy `ray-traced`: unknown parameter `rays`; known: "),
-        ("\"one-sphere\"", "\"two-spheres\"", "bad.toml:13: "),
-        ("[[scene]]", "frames = [9999]\n[[scene]]", "unknown field"),
+        ("samples = [1, 4]", "samples = [1, 0]", "bad.toml:18:1: "),
+        ("samples = [1, 4]", "rays = 4", "bad.toml:18:1: strategy `ray-traced`: unknown parameter `rays`; known: "),
+        ("\"one-sphere\"", "\"two-spheres\"", "bad.toml:13:8: unknown scene `two-spheres`; built in: "),
+        ("[[scene]]", "frames = [9999]\n[[scene]]", "unknown key"),
         ("claim = \"none\"", "claim = \"none\"\nframes = [99999]", "there is no frame 99999"),
-        ("\"one-sphere\"", "\"one-sphere\"\nstill = 99999", "bad.toml:14: scene `one-sphere` has"),
-        ("[\"mesh\", \"spheres\"]", "[\"cubes\"]", "bad.toml:4: unknown reference `cubes`"),
-        ("repeats = 3", "repeats = 0", "bad.toml:9: expected a whole number of rounds"),
-        ("samples = 16", "samples = 0", "bad.toml:6: expected a whole number of samples from 1 to "),
+        ("\"one-sphere\"", "\"one-sphere\"\nstill = 99999", "bad.toml:14:9: scene `one-sphere` has"),
+        ("[\"mesh\", \"spheres\"]", "[\"cubes\"]", "bad.toml:4:14: unknown reference `cubes`"),
+        ("repeats = 3", "repeats = 0", "bad.toml:9:11: `repeats` = 0 must be from 1 to "),
+        ("samples = 16", "samples = 0", "bad.toml:6:11: `samples` = 0 must be from 1 to "),
         (
             "name = \"one-sphere\"",
             "name = \"one-sphere\"\nspheres = 0",
-            "bad.toml:14: expected a whole number of spheres",
+            "bad.toml:14:11: `spheres` = 0 must be from 1 to ",
         ),
     ];
     for (from, to, expected) in cases {
@@ -302,6 +337,11 @@ fn pictures_have_the_layers_and_size_asked_for() {
         .success();
     let channels = |name: &str| {
         let image = exr::prelude::read_all_data_from_file(here.path().join(name)).unwrap();
+        let attributes = &image.layer_data[0].attributes;
+        let [comments, software] =
+            [&attributes.comments, &attributes.software_name].map(|text| text.as_ref().unwrap().to_string());
+        assert!(comments.starts_with("scene: one-sphere\nframe: 0\nstrategy: "), "{comments}");
+        assert_eq!(software, format!("halfshade {}", halfshade::REVISION));
         assert_eq!((image.layer_data.len(), image.layer_data[0].size.x(), image.layer_data[0].size.y()), (1, 20, 10));
         image.layer_data[0].channel_data.list.iter().map(|channel| channel.name.to_string()).collect::<Vec<_>>()
     };
@@ -412,7 +452,7 @@ fn bounces_reach_truth_strategies_and_results_and_mistakes_name_their_line() {
     let read = |name: &str| fs::read(here.path().join(name)).unwrap();
     assert_ne!(read("0.exr"), read("1.exr"));
     let flat = ["render", "one-sphere", "--strategy", "unshadowed", "--bounces", "1"];
-    assert!(refused(halfshade(here.path()).args(flat)).contains("can't model interreflection"));
+    assert!(refused(halfshade(here.path()).args(flat)).contains("can't model interreflection; sh-exp and prt can"));
     assert!(refused(halfshade(here.path()).args(["truth", "one-sphere", "--bounces", "99"])).contains("at most"));
 
     let bounced = SMALL
@@ -427,7 +467,7 @@ fn bounces_reach_truth_strategies_and_results_and_mistakes_name_their_line() {
     assert_eq!(of("sh-exp")["scene"], "one-sphere, 2 spheres, fitted to shadows");
     assert_eq!(of("unshadowed")["status"], "unsupported");
     for (line, problem) in [
-        ("bounces = 99", "at most"),
+        ("bounces = 99", "must be from 0 to"),
         ("camera = { eye = [0, 0, 0], target = [0, 0, 0], vertical_fov_degrees = 40 }", "camera:"),
     ] {
         write(here.path(), "bad.toml", bounced.replace("bounces = 1", line));

@@ -5,6 +5,8 @@ mod command_line;
 mod common;
 mod exchange;
 mod experiments;
+mod guide;
+mod pages;
 mod readme;
 mod runs;
 mod shared_assets;

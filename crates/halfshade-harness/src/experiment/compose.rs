@@ -126,7 +126,7 @@ mod tests {
         assert_eq!([value("name"), value("preset"), value("factor")], [Some("dim"), Some("faint"), Some("0.5")]);
         assert_eq!(experiment.baseline.as_ref().map(|spec| spec.get_ref().as_str()), Some("dim"));
         // A mistake is told without a file and a line that nobody wrote.
-        let error = experiment.error_at(0, "it is wrong").to_string();
+        let error = experiment.error_at(0..0, "it is wrong").to_string();
         assert_eq!(error, "it is wrong");
         let still = Comparison { still: true, pictures: false, ..comparison }.experiment().unwrap();
         assert_eq!((still.scenes[0].still.as_ref().map(|it| *it.get_ref()), still.pictures.is_none()), (Some(7), true));

@@ -1,10 +1,12 @@
 //! Kinds of receivers and of references, by the names that experiment files give them.
 
+use halfshade_scene::text;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
-use std::{fmt, num::NonZeroUsize, str::FromStr};
+use std::{borrow::Cow, fmt, num::NonZeroUsize, str::FromStr};
 
 /// Points that are scored.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum ReceiverKind {
     /// Every vertex of every object.
@@ -50,16 +52,16 @@ impl fmt::Display for ReferenceKind {
 impl FromStr for ReferenceKind {
     type Err = String;
 
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text {
+    fn from_str(word: &str) -> Result<Self, String> {
+        match word {
             "mesh" => Ok(Self::Mesh),
             "spheres" => Ok(Self::Spheres),
             "bands" => Ok(Self::OwnBands),
-            _ => text
+            _ => word
                 .strip_prefix("bands=")
                 .and_then(|n| n.parse().ok())
                 .map(Self::Bands)
-                .ok_or_else(|| format!("unknown reference `{text}`; known: mesh, spheres, bands, bands=N")),
+                .ok_or_else(|| text::unknown("reference", word, ["mesh", "spheres", "bands", "bands=N"])),
         }
     }
 }
@@ -67,5 +69,15 @@ impl FromStr for ReferenceKind {
 impl<'de> Deserialize<'de> for ReferenceKind {
     fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         String::deserialize(deserializer)?.parse().map_err(serde::de::Error::custom)
+    }
+}
+
+impl JsonSchema for ReferenceKind {
+    fn schema_name() -> Cow<'static, str> {
+        "ReferenceKind".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "type": "string", "pattern": "^(mesh|spheres|bands|bands=[1-9][0-9]*)$" })
     }
 }

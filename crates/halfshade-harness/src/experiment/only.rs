@@ -2,7 +2,7 @@
 
 use super::Experiment;
 use crate::HarnessError;
-use toml::Spanned;
+use halfshade_scene::keys::Spanned;
 
 impl Experiment {
     /// Keeps what `names` name: scenes, as the experiment writes them, and strategies. All scenes stay if none of them is named,
@@ -44,7 +44,8 @@ impl Experiment {
     }
 }
 
-fn name_of(table: &std::collections::BTreeMap<String, Spanned<toml::Value>>) -> String {
+/// Name of the strategy of a table.
+pub(crate) fn name_of(table: &std::collections::BTreeMap<String, Spanned<toml::Value>>) -> String {
     table.get("name").and_then(|name| name.get_ref().as_str()).unwrap_or_default().to_owned()
 }
 

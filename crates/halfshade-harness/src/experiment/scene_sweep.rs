@@ -2,9 +2,11 @@
 
 use super::{Experiment, SceneEntry};
 use crate::HarnessError;
-use halfshade_scene::file::Change;
+use halfshade_scene::{
+    file::Change,
+    keys::{self, Spanned},
+};
 use std::ops::Range;
-use toml::Spanned;
 
 /// Most scenes that an entry becomes.
 const MAX_SCENES: usize = 1000;
@@ -21,7 +23,7 @@ impl SceneEntry {
     pub fn swept(&self, experiment: &Experiment) -> Result<Vec<Self>, HarnessError> {
         let mut all = vec![Self { sweep: Vec::new(), ..self.clone() }];
         for (key, values) in &self.sweep {
-            let fail = |problem: String| Err(experiment.error_at(values.span().start, problem));
+            let fail = |problem: String| Err(experiment.error_at(values.span(), problem));
             let list = values.get_ref();
             if list.is_empty() {
                 return fail(format!("`{key}` is an empty list: nothing to run"));
@@ -33,7 +35,7 @@ impl SceneEntry {
                 return fail(format!("the sweep has more than {MAX_SCENES} combinations; leave some values out"));
             }
             let with = |entry: &Self, value: &toml::Value| {
-                let problem = |problem| experiment.error_at(values.span().start, format!("`{key}`: {problem}"));
+                let problem = |problem| experiment.error_at(values.span(), format!("`{key}`: {problem}"));
                 entry.with(key, value, values.span()).map_err(problem)
             };
             let each = |entry: &Self| list.iter().map(|value| with(entry, value)).collect::<Vec<_>>();
@@ -57,12 +59,11 @@ impl SceneEntry {
         }
         // Read as if it stood in a file of its own: the same bounds, the same words where it doesn't fit.
         let text = format!("name = \"\"\n{key} = {value}");
-        let one: Self = toml::from_str(&text).map_err(|error| error.message().trim().to_owned())?;
-        let placed = |value: Option<Spanned<usize>>| value.map(|value| Spanned::new(span.clone(), value.into_inner()));
+        let one: Self = keys::parse(&text).map_err(|error| error.problem)?;
         match key {
             "environment" => entry.environment = one.environment,
-            "still" => entry.still = placed(one.still),
-            "bounces" => entry.bounces = placed(one.bounces),
+            "still" => entry.still = one.still.map(|still| Spanned::new(span, still.into_inner())),
+            "bounces" => entry.bounces = one.bounces,
             "resolution" => entry.resolution = one.resolution,
             "spheres" => entry.spheres = one.spheres,
             _ => entry.fit = one.fit,
@@ -97,7 +98,7 @@ mod tests {
         let all =
             swept("{ spheres = [10, 20], bounces = [0, 1], \"light.1.radiance\" = [[1, 1, 1], [5, 5, 5]] }").unwrap();
         assert_eq!(all.len(), 8);
-        let facts = |entry: &SceneEntry| (entry.spheres.unwrap().get(), *entry.bounces.as_ref().unwrap().get_ref());
+        let facts = |entry: &SceneEntry| (entry.spheres.unwrap().get(), entry.bounces.unwrap());
         assert_eq!((facts(&all[0]), facts(&all[1]), facts(&all[4])), ((10, 0), (20, 0), (10, 1)));
         assert_eq!(all[7].suffix(), ", bounces 1, light.1.radiance [5, 5, 5]");
         assert_eq!(swept("{}").unwrap().len(), 1);
@@ -108,13 +109,13 @@ mod tests {
         for (sweep, what) in [
             ("{ spheres = [] }", "empty list"),
             ("{ spheres = [10, 10] }", "lists 10 twice"),
-            ("{ spheres = [0] }", "expected a whole number of spheres"),
-            ("{ sphere = [1] }", "can't be swept; environment, still"),
+            ("{ spheres = [0] }", "`spheres` = 0 must be from 1"),
+            ("{ sphere = [1] }", "unknown key `sphere` (did you mean `spheres`?)"),
             ("{ frames = [1] }", "can't be swept"),
-            ("{ spheres = 10 }", "e.toml:7"),
+            ("{ spheres = 10 }", "`spheres` must be a list of values, not 10"),
         ] {
             let error = swept(sweep).unwrap_err();
-            assert!(error.starts_with("e.toml:7: ") && error.contains(what), "{sweep}: {error}");
+            assert!(error.starts_with("e.toml:7:") && error.contains(what), "{sweep}: {error}");
         }
         let many = format!("{{ spheres = {:?}, bounces = [0, 1] }}", (1..=501).collect::<Vec<_>>());
         assert!(swept(&many).unwrap_err().contains("more than 1000 combinations"));

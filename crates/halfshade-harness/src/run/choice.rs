@@ -1,8 +1,8 @@
 //! Choice of an experiment's strategies that are pictured, and of those that are compared with each other.
 
 use crate::{Device, Experiment, HarnessError, Variant};
+use halfshade_scene::keys::Spanned;
 use halfshade_strategy::Strategy;
-use toml::Spanned;
 
 /// Finds strategies by their SPECs.
 pub(super) struct VariantChoice<'a> {
@@ -23,7 +23,7 @@ impl VariantChoice<'_> {
             let keys: Vec<String> = self.devices.iter().map(|&device| found.on(device).key()).collect();
             if keys.iter().any(|key| pictured.contains(key)) {
                 let problem = format!("`{}` is pictured already; name each once", spec.get_ref());
-                return Err(self.experiment.error_at(spec.span().start, problem));
+                return Err(self.experiment.error_at(spec.span(), problem));
             }
             pictured.extend(keys);
         }
@@ -49,7 +49,7 @@ impl VariantChoice<'_> {
             let pair = self.pair_of(specs)?;
             if pairs.contains(&pair) {
                 let problem = "`compare` has this pair already; name each once";
-                return Err(self.experiment.error_at(specs[0].span().start, problem));
+                return Err(self.experiment.error_at(specs[0].span(), problem));
             }
             pairs.push(pair);
         }
@@ -66,13 +66,13 @@ impl VariantChoice<'_> {
     fn pair_of(&self, [a, b]: &[Spanned<String>; 2]) -> Result<[usize; 2], HarnessError> {
         let pair = [self.place_of(a)?, self.place_of(b)?];
         if pair[0] == pair[1] {
-            return Err(self.experiment.error_at(a.span().start, "this compares a strategy with itself: name two"));
+            return Err(self.experiment.error_at(a.span(), "this compares a strategy with itself: name two"));
         }
         Ok(pair)
     }
 
     fn place_of(&self, spec: &Spanned<String>) -> Result<usize, HarnessError> {
-        let error = |problem| self.experiment.error_at(spec.span().start, problem);
+        let error = |problem| self.experiment.error_at(spec.span(), problem);
         let device = self.devices.first().copied().unwrap_or_default();
         let key = Variant::parse(self.strategies, spec.get_ref()).map_err(error)?.on(device).key();
         let unknown = || error(format!("`{}` is named here but not among the strategies", spec.get_ref()));

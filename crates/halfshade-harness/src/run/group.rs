@@ -34,6 +34,8 @@ pub(super) struct View {
     projection: Projection,
     /// Factor for all PNGs, which is that of the truth's picture.
     pub(super) exposure: f32,
+    /// Version of the program, which pictures tell.
+    pub(super) program: String,
 }
 
 impl View {
@@ -80,7 +82,7 @@ impl<'a> Group<'a> {
         let references = References::trace(setup, &frame, kind, &receivers)?;
         let view = projection.map(|projection| {
             let exposure = projection.picture(&references.mesh.reference.radiance, Vec3::ZERO).exposure();
-            View { projection, exposure }
+            View { projection, exposure, program: setup.tools.revision.to_owned() }
         });
         if view.is_some() && camera.resolution.iter().any(|&side| (side as usize) < WINDOW) {
             let [width, height] = camera.resolution;

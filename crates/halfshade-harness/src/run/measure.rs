@@ -35,6 +35,7 @@ pub(super) fn measure(
     }
     let (mut ready, compared) = score_all(setup, group, record)?;
     time(setup, group, &mut ready, record)?;
+    setup.steps.add(if setup.plan.timing.is_some() { group.own.len() } else { 0 });
     if group.has_last() {
         compare_pairs(setup, group, compared, record, results)?;
     }
@@ -59,6 +60,7 @@ fn score_all(
         let has_ended = known.is_some_and(|runs| runs.iter().any(|run| run.status != Status::Ok));
         let is_known = known.is_some();
         if has_ended || (is_known && view.is_none() && setup.missing_samples(record, key) == 0) {
+            setup.steps.add(1);
             continue;
         }
         let scored = score(setup, group, place);
@@ -77,6 +79,7 @@ fn score_all(
         if plan.is_compared(place) {
             compared.insert(place, radiance);
         }
+        setup.steps.add(1);
     }
     Ok((ready, compared))
 }

@@ -14,6 +14,7 @@ mod score;
 mod setup;
 mod shade;
 mod stages;
+mod steps;
 mod time;
 mod tools;
 
@@ -35,6 +36,7 @@ use record::Record;
 use resume::{RunStart, header_of};
 use setup::Setup;
 use std::collections::BTreeMap;
+use steps::Steps;
 
 /// Runs `experiment` and returns its results; with [`RunOptions::out`], `results.json` and its company lie there.
 pub fn run(experiment: &Experiment, tools: &Tools<'_>, options: &RunOptions) -> Result<Results, HarnessError> {
@@ -55,7 +57,8 @@ pub fn run(experiment: &Experiment, tools: &Tools<'_>, options: &RunOptions) -> 
             RunStart::Open(record) => *record,
         },
     };
-    let setup = Setup { tools, plan: &plan, threads, truth_cache: record.truth_cache(), is_kept: record.is_kept() };
+    let (steps, truth_cache) = (Steps::of(&plan, tools.progress), record.truth_cache());
+    let setup = Setup { tools, plan: &plan, threads, steps, truth_cache, is_kept: record.is_kept() };
     threads::with_threads(Some(threads), || {
         let groups = plan.groups();
         for groups in groups.chunk_by(|a, b| a.scene == b.scene) {
@@ -70,6 +73,7 @@ pub fn run(experiment: &Experiment, tools: &Tools<'_>, options: &RunOptions) -> 
             });
             for planned in groups {
                 let group = Group::new(&setup, &scene, planned.clone())?;
+                setup.steps.add(1);
                 measure(&setup, &group, &mut record, &mut results)?;
             }
         }

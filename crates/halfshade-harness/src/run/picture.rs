@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{
     HarnessError, Picture, Reference, file_names,
-    image_io::{exr_bytes, png_bytes},
+    image_io::{Origin, exr_bytes, png_bytes},
     image_metrics::Similarity,
     picture_colors::signed_error,
     results::PictureFiles,
@@ -69,6 +69,8 @@ fn write(
 ) -> Result<PictureFiles, HarnessError> {
     let (scene, frame) = (&group.frame.scene.name, group.frame.index);
     let base = file_names::picture(scene, frame, label);
+    let truth_samples = Some(group.references.mesh.samples);
+    let origin = Origin { program: &view.program, scene, frame, strategy: label, truth_samples };
     let mut write = |ending: &str, bytes: Result<Vec<u8>, String>| -> Result<String, HarnessError> {
         let file = PathBuf::from(format!("{base}{ending}"));
         let bytes = bytes.map_err(|problem| HarnessError::in_file(&file, problem))?;
@@ -84,7 +86,7 @@ fn write(
         scene: scene.clone(),
         frame,
         label: label.to_owned(),
-        exr: write(".exr", exr_bytes(&layers))?,
+        exr: write(".exr", exr_bytes(&layers, &origin))?,
         png: write(".png", png_bytes(&picture.to_srgb(view.exposure)))?,
         error_png: match &error {
             Some((error, _, reference)) => {

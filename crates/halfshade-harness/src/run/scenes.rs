@@ -7,7 +7,7 @@ use crate::{
     scene_source::{self, MeshLight},
 };
 use glam::Vec3;
-use halfshade_scene::{Camera, InputFile, Scene, SphereFit, input, scene::MAX_BOUNCES, spheres::MAX_SPHERES};
+use halfshade_scene::{Camera, InputFile, Scene, SphereFit, doubts, input, spheres::MAX_SPHERES};
 use std::path::Path;
 
 const BAD_VIEW: &str = "camera: eye and target must be finite and apart, vertical_fov_degrees between 0 and 180";
@@ -71,12 +71,16 @@ pub(super) fn scenes(experiment: &Experiment, quick: bool) -> Result<Loaded, Har
     let mut inputs = Vec::new();
     let swept = experiment.scenes.iter().map(|entry| entry.swept(experiment));
     for entry in swept.collect::<Result<Vec<_>, _>>()?.concat() {
-        let error = |problem: String| experiment.error_at(entry.name.span().start, problem);
+        let error = |problem: String| experiment.error_at(entry.name.span(), problem);
         let light = MeshLight { name: entry.environment.as_deref(), ..MeshLight::default() };
         let (scene, files) =
             input::recorded(|| scene_source::resolve_changed(entry.name.get_ref(), folder, &light, &entry.changes));
         inputs.extend(files);
-        let mut scene = scene.map_err(|problem| error(problem.to_string()))?;
+        let mut scene = scene.map_err(|problem| match problem {
+            // The place in the scene's own file is where the mistake is.
+            HarnessError::Scene(of_scene) if of_scene.line.is_some() => of_scene.into(),
+            other => error(other.to_string()),
+        })?;
         change(&mut scene, &entry, experiment)?;
         let of_pictures = || experiment.pictures.as_ref().and_then(|pictures| pictures.resolution);
         if let Some(size) = entry.resolution.or_else(of_pictures) {
@@ -114,20 +118,15 @@ fn change(scene: &mut Scene, entry: &SceneEntry, experiment: &Experiment) -> Res
         if frame >= count.max(1) {
             let problem =
                 format!("scene `{}` has {count} frames: there is no frame {frame} to hold it still at", scene.name);
-            return Err(experiment.error_at(still.span().start, problem));
+            return Err(experiment.error_at(still.span(), problem));
         }
         *scene = scene.still_at(frame);
     }
-    if let Some(bounces) = &entry.bounces {
-        scene.bounces = *bounces.get_ref();
-        if scene.bounces > MAX_BOUNCES {
-            let problem = format!("bounces = {}: at most {MAX_BOUNCES}", scene.bounces);
-            return Err(experiment.error_at(bounces.span().start, problem));
-        }
-    }
+    scene.bounces = entry.bounces.unwrap_or(scene.bounces);
     if let Some(view) = &entry.camera {
         scene.camera =
-            viewed(view.get_ref(), &scene.camera).ok_or_else(|| experiment.error_at(view.span().start, BAD_VIEW))?;
+            viewed(view.get_ref(), &scene.camera).ok_or_else(|| experiment.error_at(view.span(), BAD_VIEW))?;
+        scene.notes.extend(doubts::camera_inside(scene));
     }
     if let Some([width, height]) = entry.resolution {
         scene.name = format!("{}, {width}x{height}", scene.name);
@@ -136,7 +135,7 @@ fn change(scene: &mut Scene, entry: &SceneEntry, experiment: &Experiment) -> Res
         share_out_spheres(scene, count.get());
         if scene.objects.iter().any(|object| object.sphere_count > MAX_SPHERES) {
             let problem = format!("spheres = {count} gives an object more than the {MAX_SPHERES} it can use");
-            return Err(experiment.error_at(entry.name.span().start, problem));
+            return Err(experiment.error_at(entry.name.span(), problem));
         }
     }
     if let Some(fit) = entry.fit {

@@ -1,6 +1,6 @@
 //! State that all groups of a run share.
 
-use super::{plan::Plan, record::Record, tools::Tools};
+use super::{plan::Plan, record::Record, steps::Steps, tools::Tools};
 use halfshade_scene::cache::Cache;
 
 /// The plan, and what it is carried out with.
@@ -8,6 +8,7 @@ pub(super) struct Setup<'a> {
     pub(super) tools: &'a Tools<'a>,
     pub(super) plan: &'a Plan,
     pub(super) threads: usize,
+    pub(super) steps: Steps<'a>,
     pub(super) truth_cache: Cache,
     /// Whether anything is written; if not, nothing is timed or pictured.
     pub(super) is_kept: bool,

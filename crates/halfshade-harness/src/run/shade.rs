@@ -3,12 +3,13 @@
 use super::{group::Group, setup::Setup};
 use crate::{
     Variant,
+    ability::inability,
     clock::time_secs,
     results::Status,
     shading::{count_not_finite, shade_frame},
 };
 use halfshade_scene::RadianceBuffer;
-use halfshade_strategy::{Baked, Effects, StrategyError};
+use halfshade_strategy::{Baked, StrategyError};
 
 /// A baked strategy that has shaded, and its radiance.
 pub(super) struct Shaded {
@@ -49,9 +50,8 @@ const NO_KERNELS: &str = "no kernels for graphics devices yet: run it with devic
 pub(super) fn shade_with(setup: &Setup<'_>, group: &Group<'_>, variant: &Variant) -> Result<(f64, Shaded), Refusal> {
     let (tools, frame) = (setup.tools, &group.frame);
     let strategy = tools.strategy(variant).ok_or_else(|| Refusal::unsupported(NO_KERNELS.into()))?;
-    let missing = strategy.info().effects.missing(Effects::required_by(frame.scene));
-    if !missing.is_empty() {
-        return Err(Refusal::unsupported(format!("can't model {missing}")));
+    if let Some(reason) = inability(strategy, frame.scene, tools.strategies) {
+        return Err(Refusal::unsupported(reason));
     }
     let (bake_secs, baked) = time_secs(tools.clock, || strategy.bake(frame.scene, &variant.params, tools.progress));
     let mut baked = baked?;

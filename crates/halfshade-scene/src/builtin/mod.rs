@@ -5,6 +5,8 @@
 //! The shapes, colours, movements and lights are our own. The thesis lights every scene with the Grace cathedral probe;
 //! here each scene has another kind of light, since that decides how hard a scene is for a method of few bands:
 //!
+//! `bowling` and `falling`, which are simulated, are there with the feature `physics`, which is on by default.
+//!
 //! The scenes `statues`, `bowling` and `falling` are after [Tamura2006, 6]: as many objects and vertices, moved about by
 //! hand or by a rigid-body simulation, the first two lit by moving lamps besides the environment.
 //!
@@ -17,20 +19,24 @@
 //! - `squirrel-and-balls`: the same sky, the sun low over the slope: long shadows sweep over receivers far
 //!   from their blockers.
 
+#[cfg(feature = "physics")]
 mod bowling;
 mod choreography;
 mod courtyard;
 mod daylight;
 mod ducks;
+#[cfg(feature = "physics")]
 mod falling;
 mod figures;
 mod five_blockers;
 mod glossy_sphere;
 mod ground;
+#[cfg(feature = "physics")]
 mod gutter;
 mod hand;
 mod implicit;
 mod lathe;
+#[cfg(feature = "physics")]
 mod physics;
 mod polish;
 mod polygonize;
@@ -42,6 +48,7 @@ mod squirrel_and_balls;
 mod statues;
 mod studio;
 mod teapot_and_statue;
+#[cfg(feature = "physics")]
 mod toys;
 mod translucent_figure;
 mod two_squirrels;
@@ -63,7 +70,9 @@ pub const SCENES: &[(&str, &str)] = &[
     ),
     ("hand", "a hand that opens and closes, deformed by a skeleton, and a ball in a studio's soft light"),
     ("statues", "five long figures moved about under two lamps (33k vertices, 60 spheres)"),
+    #[cfg(feature = "physics")]
     ("bowling", "a ball rolls into ten pins under two lamps (41k vertices, 71 spheres)"),
+    #[cfg(feature = "physics")]
     ("falling", "nineteen toys drop onto a heap in daylight (89k vertices, 153 spheres)"),
     ("teapot-and-statue", "a teapot and a statue on a slab in a studio's soft light: round, long and flat"),
     ("one-sphere", "a sphere over a plane under constant light: its shadow has a closed form"),
@@ -87,7 +96,9 @@ pub fn scene(name: &str) -> Option<Scene> {
         "squirrel-and-balls" => squirrel_and_balls::scene(),
         "hand" => hand::scene(),
         "statues" => statues::scene(),
+        #[cfg(feature = "physics")]
         "bowling" => bowling::scene(),
+        #[cfg(feature = "physics")]
         "falling" => falling::scene(),
         "teapot-and-statue" => teapot_and_statue::scene(),
         "one-sphere" => small::one_sphere(),

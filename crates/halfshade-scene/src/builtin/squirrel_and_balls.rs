@@ -113,7 +113,8 @@ fn travelled(speed: f64, time_secs: f64) -> f64 {
     speed * time_secs + 0.5 * ACCELERATION * time_secs * time_secs
 }
 
-/// The red ball.
+/// The red ball, which falls in another scene.
+#[cfg(feature = "physics")]
 pub(super) fn beach_ball() -> Mesh {
     ball_mesh(&BALLS[0])
 }

@@ -1,28 +1,27 @@
 //! Scenes from the tables of scene files, every value checked.
 
-use super::document::{AnimationTable, CameraTable, Document, KeyframeTable, LightTable, Meshes, ObjectTable};
+use super::document::{
+    AnimationTable, CameraTable, Document, KeyframeTable, LightTable, MAX_FRAMES, Meshes, ObjectTable,
+};
 use super::environment::environment;
 use super::source::{Source, named_notes, stem};
-use super::values::{albedo, checked, length, place, radiance, whole};
+use super::values::{albedo, checked, length, place, radiance};
 use super::{framing, reflectance, subsurface};
 use crate::camera::check_resolution;
-use crate::scene::{DEFAULT_FRAMES_PER_SEC, MAX_BOUNCES};
-use crate::spheres::MAX_SPHERES;
+use crate::keys::Spanned;
+use crate::scene::DEFAULT_FRAMES_PER_SEC;
 use crate::{
-    Camera, Environment, Material, Mesh, Motion, Object, Pose, Scene, SceneError, Skin, SphereLight, builtin, mesh,
+    Camera, Environment, Material, Mesh, Motion, Object, Pose, Scene, SceneError, Skin, SphereLight, builtin, doubts,
+    mesh, text,
 };
 use glam::{Quat, Vec3};
 use std::ops::Range;
 use std::sync::Arc;
-use toml::Spanned;
 
 type Result<T> = std::result::Result<T, SceneError>;
 
 /// Leaf spheres of an object that doesn't say how many.
 pub const DEFAULT_SPHERE_COUNT: usize = 64;
-
-/// Largest number of clusters of one object.
-const MAX_CLUSTERS: i64 = 100_000;
 
 pub(super) fn scene(source: &Source<'_>, document: Document) -> Result<Scene> {
     if document.object.is_empty() {
@@ -31,6 +30,7 @@ pub(super) fn scene(source: &Source<'_>, document: Document) -> Result<Scene> {
             .with_remedy("add an [[object]] with a mesh or a shape"));
     }
     let (mut meshes, mut notes) = (Meshes::new(), Vec::new());
+    let from_file: Vec<bool> = document.object.iter().map(|table| table.get_ref().mesh.is_some()).collect();
     let objects: Vec<Object> = document
         .object
         .into_iter()
@@ -49,11 +49,14 @@ pub(super) fn scene(source: &Source<'_>, document: Document) -> Result<Scene> {
     let of_skins = objects.iter().filter_map(|object| object.skin.as_ref()).map(|skin| skin.last_key_secs());
     let last_key = motions.filter_map(Motion::last_key_secs).chain(of_skins).fold(0.0, f64::max);
     let (frames_per_sec, frame_count) = animation(source, document.animation, last_key)?;
-    let bounces = whole(source, "bounces", document.bounces, 0..=MAX_BOUNCES as i64, 0)?;
     let name = document.name.unwrap_or_else(|| stem(source.path));
-    let still =
-        document.still.map(|still| whole(source, "still", Some(still), 0..=frame_count as i64 - 1, 0)).transpose()?;
-    let scene = Scene {
+    if let Some(still) = document.still.as_ref().filter(|still| *still.get_ref() >= frame_count) {
+        let problem = format!("still = {} lies behind the last frame, {}", still.get_ref(), frame_count - 1);
+        return Err(source.error(still.span(), problem));
+    }
+    let sizes: Vec<f64> = objects.iter().map(framing::size_of).collect();
+    notes.extend(named_notes(source.path, doubts::odd_sizes(&objects, &sizes, &from_file)));
+    let mut scene = Scene {
         name: name.clone(),
         objects,
         environment,
@@ -63,13 +66,14 @@ pub(super) fn scene(source: &Source<'_>, document: Document) -> Result<Scene> {
         camera,
         frames_per_sec,
         frame_count,
-        bounces,
+        bounces: document.bounces,
         notes,
     };
+    scene.notes.extend(named_notes(source.path, doubts::camera_inside(&scene).into_iter().collect()));
     // Its name is the file's own.
-    Ok(match still {
+    Ok(match document.still {
         None => scene,
-        Some(index) => Scene { name, ..scene.still_at(index) },
+        Some(index) => Scene { name, ..scene.still_at(index.into_inner()) },
     })
 }
 
@@ -130,15 +134,16 @@ fn object(
             (mesh, skin, stem(&path), false)
         }
         (None, Some(name)) => {
-            let mesh = builtin::shape(name.get_ref()).ok_or_else(|| {
-                let known = builtin::SHAPES.join(", ");
-                source.error(name.span(), format!("unknown shape `{}`; known: {known}", name.get_ref()))
-            })?;
-            if let Some(animation) = &table.animation {
-                return Err(source.error(animation.span(), "animation belongs to a glTF mesh, and this is a shape"));
-            }
-            if let Some(colors) = &table.colors {
-                return Err(source.error(colors.span(), "colors belongs to a mesh file, and this is a shape"));
+            let unknown =
+                || source.error(name.span(), text::unknown("shape", name.get_ref(), builtin::SHAPES.iter().copied()));
+            let mesh = builtin::shape(name.get_ref()).ok_or_else(unknown)?;
+            let misplaced = [
+                ("animation belongs to a glTF mesh", table.animation.as_ref().map(Spanned::span)),
+                ("colors belongs to a mesh file", table.colors.as_ref().map(Spanned::span)),
+                ("unit_size belongs to a mesh file", table.unit_size.as_ref().map(Spanned::span)),
+            ];
+            if let Some((what, span)) = misplaced.into_iter().find_map(|(what, span)| Some((what, span?))) {
+                return Err(source.error(span, format!("{what}, and this is a shape")));
             }
             (Arc::new(mesh), None, name.get_ref().clone(), name.get_ref() == "plane")
         }
@@ -173,15 +178,9 @@ fn object(
         }
     };
     Ok(Object {
-        sphere_count: whole(
-            source,
-            "spheres",
-            table.spheres,
-            0..=MAX_SPHERES as i64,
-            if is_plane { 0 } else { DEFAULT_SPHERE_COUNT },
-        )?,
+        sphere_count: table.spheres.unwrap_or(if is_plane { 0 } else { DEFAULT_SPHERE_COUNT }),
         fit: table.fit.unwrap_or_default(),
-        cluster_count: whole(source, "clusters", table.clusters, 0..=MAX_CLUSTERS, 0)?,
+        cluster_count: table.clusters,
         skin,
         ..Object::new(table.name.unwrap_or(default_name), mesh).material(material).motion(motion)
     })
@@ -202,7 +201,14 @@ fn mesh_and_skin(
         let problem = "vertex colours of a glTF, which alone has animations, are linear by its specification";
         return Err(source.error(colors.span(), problem).with_remedy("leave `colors` out"));
     }
-    let key = (path.clone(), animation.map(|animation| animation.get_ref().clone()), told);
+    let is_unit_size = table.unit_size.as_ref().is_some_and(|it| *it.get_ref());
+    if let (Some(_), Some(unit_size)) = (animation, table.unit_size.as_ref().filter(|_| is_unit_size)) {
+        let problem = "a mesh with an animation keeps its own size, which its skeleton has too";
+        return Err(source
+            .error(unit_size.span(), problem)
+            .with_remedy("leave unit_size out, and give scale and translate"));
+    }
+    let key = (path.clone(), is_unit_size, animation.map(|animation| animation.get_ref().clone()), told);
     if let Some(known) = meshes.get(&key) {
         return Ok(known.clone());
     }
@@ -222,7 +228,7 @@ fn mesh_and_skin(
         return Err(source.error(colors.span(), problem));
     }
     notes.extend(named_notes(path, found));
-    let loaded = (Arc::new(mesh), skin.map(Arc::new));
+    let loaded = (Arc::new(if is_unit_size { mesh.in_unit_size() } else { mesh }), skin.map(Arc::new));
     meshes.insert(key, loaded.clone());
     Ok(loaded)
 }
@@ -269,9 +275,8 @@ fn animation(source: &Source<'_>, table: Option<AnimationTable>, last_key: f64) 
         Some(value) => checked(source, "frames_per_sec", value, "positive, at most 10000", |f| f > 0.0 && f <= 1e4)?,
         None => DEFAULT_FRAMES_PER_SEC,
     };
-    const MAX_FRAMES: i64 = 1_000_000;
-    let default = 1 + ((last_key * frames_per_sec).ceil() as usize).min(MAX_FRAMES as usize - 1);
-    Ok((frames_per_sec, whole(source, "frame_count", frame_count, 1..=MAX_FRAMES, default)?))
+    let default = 1 + ((last_key * frames_per_sec).ceil() as usize).min(MAX_FRAMES - 1);
+    Ok((frames_per_sec, frame_count.unwrap_or(default)))
 }
 
 #[cfg(test)]

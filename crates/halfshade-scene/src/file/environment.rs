@@ -3,10 +3,10 @@
 use super::document::{EnvironmentTable, SkyTable};
 use super::source::{Source, named_notes};
 use super::values::{checked, radiance};
+use crate::keys::Spanned;
 use crate::light::{ProbeOptions, Projection, Sky, load_probe};
 use crate::{Environment, SceneError};
 use glam::Vec3;
-use toml::Spanned;
 
 type Result<T> = std::result::Result<T, SceneError>;
 
@@ -24,9 +24,9 @@ pub(super) fn environment(
         None => Ok(0.0),
     };
     if image.is_none() {
-        let text = [&projection, &layer].map(|key| key.as_ref().map(Spanned::span));
-        let number = [&forward_degrees, &clamp].map(|key| key.as_ref().map(Spanned::span));
-        if let Some(span) = text.into_iter().chain(number).flatten().next() {
+        let words = [projection.as_ref().map(Spanned::span), layer.as_ref().map(Spanned::span)];
+        let numbers = [&forward_degrees, &clamp].map(|key| key.as_ref().map(Spanned::span));
+        if let Some(span) = words.into_iter().chain(numbers).flatten().next() {
             let problem = "projection, forward_degrees, layer and clamp belong to an image, and there is none";
             return Err(source.error(span, problem));
         }
@@ -35,12 +35,8 @@ pub(super) fn environment(
     let environment = match (constant, image, sky) {
         (Some(constant), None, None) => Environment::constant(radiance(source, "constant", &constant)?),
         (None, Some(image), None) => {
-            let projection = match projection {
-                Some(name) => name.get_ref().parse().map_err(|e: SceneError| source.error(name.span(), e.problem))?,
-                None => Projection::LatLong,
-            };
             let options = ProbeOptions {
-                projection: Some(projection),
+                projection: Some(projection.map_or(Projection::LatLong, Spanned::into_inner)),
                 forward_degrees: degrees("forward_degrees", forward_degrees)?,
                 layer: layer.map(Spanned::into_inner),
                 clamp: match clamp {

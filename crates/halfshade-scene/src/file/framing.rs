@@ -68,18 +68,25 @@ fn corners(min: DVec3, max: DVec3) -> [DVec3; 8] {
     })
 }
 
+/// The bounding box of an object in world space at time 0.
+fn placed_bounds(object: &Object) -> Option<(DVec3, DVec3)> {
+    let pose = object.motion.at(0.0);
+    match object.deformed(0.0) {
+        Some(deformed) => box_of(&deformed.positions, &pose),
+        None => box_of(&object.mesh.positions, &pose),
+    }
+}
+
+/// Longest side of an object in world space at time 0.
+pub(super) fn size_of(object: &Object) -> f64 {
+    placed_bounds(object).map_or(0.0, |(min, max)| (max - min).max_element())
+}
+
 /// The bounding box in world space, at time 0, of the objects that block; of all, if none does.
 pub(super) fn bounds_of(objects: &[Object]) -> (DVec3, DVec3) {
-    let of = |object: &Object| {
-        let pose = object.motion.at(0.0);
-        match object.deformed(0.0) {
-            Some(deformed) => box_of(&deformed.positions, &pose),
-            None => box_of(&object.mesh.positions, &pose),
-        }
-    };
     let union = |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
-    let blockers = objects.iter().filter(|object| object.sphere_count > 0).filter_map(of).reduce(union);
-    let all = || objects.iter().filter_map(of).reduce(union);
+    let blockers = objects.iter().filter(|object| object.sphere_count > 0).filter_map(placed_bounds).reduce(union);
+    let all = || objects.iter().filter_map(placed_bounds).reduce(union);
     blockers.or_else(all).unwrap_or((Vec3::NEG_ONE.as_dvec3(), DVec3::ONE))
 }
 

@@ -1,33 +1,32 @@
 //! The gloss of an object in a scene file.
 
-use super::document::{LobeTable, ReflectanceTable};
+use super::document::{LobeTable, Model, ReflectanceTable};
 use super::source::Source;
+use crate::keys::Spanned;
 use crate::{GlossVariation, LafortuneLobe, Mesh, Reflectance, SceneError, Texture};
 use glam::Vec3;
 use std::sync::Arc;
-use toml::Spanned;
 
 type Result<T> = std::result::Result<T, SceneError>;
 
-/// The names of the models.
-const MODELS: &str = "phong, modified-phong, lafortune";
-
 /// The model that a table describes, for a surface of this albedo.
 pub(super) fn reflectance(source: &Source<'_>, table: &ReflectanceTable, albedo: Vec3) -> Result<Reflectance> {
-    let model = table.model.get_ref().as_str();
+    let model = *table.model.get_ref();
     let misplaced = |span, what: &str, instead: &str| {
-        source.error(span, format!("{what} doesn't belong to model `{model}`")).with_remedy(format!("give {instead}"))
+        source
+            .error(span, format!("{what} doesn't belong to model `{}`", model.name()))
+            .with_remedy(format!("give {instead}"))
     };
-    let missing = |what: &str| source.error(table.model.span(), format!("model `{model}` needs {what}"));
+    let missing = |what: &str| source.error(table.model.span(), format!("model `{}` needs {what}", model.name()));
     match model {
-        "phong" | "modified-phong" => {
+        Model::Phong | Model::ModifiedPhong => {
             if let Some(lobes) = &table.lobes {
                 return Err(misplaced(lobes.span(), "lobes", "specular and exponent"));
             }
             let specular = table.specular.as_ref().ok_or_else(|| missing("specular"))?;
             let exponent = table.exponent.as_ref().ok_or_else(|| missing("exponent"))?;
             let with = |specular: Vec3, exponent: f32| match model {
-                "phong" => Reflectance::Phong { specular, exponent },
+                Model::Phong => Reflectance::Phong { specular, exponent },
                 _ => Reflectance::ModifiedPhong { specular, exponent },
             };
             // One at a time, so that the error stands where the mistake is.
@@ -38,7 +37,7 @@ pub(super) fn reflectance(source: &Source<'_>, table: &ReflectanceTable, albedo:
             reflectance.validate(albedo).map_err(|error| source.error(specular.span(), error.problem))?;
             Ok(reflectance)
         }
-        "lafortune" => {
+        Model::Lafortune => {
             let scalar = table.specular.as_ref().map(Spanned::span).or(table.exponent.as_ref().map(Spanned::span));
             if let Some(span) = scalar {
                 return Err(misplaced(span, "specular or exponent", "lobes"));
@@ -56,7 +55,6 @@ pub(super) fn reflectance(source: &Source<'_>, table: &ReflectanceTable, albedo:
             all.validate(albedo).map_err(|error| source.error(lobes.span(), error.problem))?;
             Ok(all)
         }
-        _ => Err(source.error(table.model.span(), format!("unknown model `{model}`; known: {MODELS}"))),
     }
 }
 

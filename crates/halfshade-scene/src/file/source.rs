@@ -1,11 +1,11 @@
 //! The text of a scene file, and errors that name its lines.
 
 use super::document::Document;
+use crate::keys::{self, Spanned};
 use crate::{Mesh, SceneError, Texture};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use toml::Spanned;
 
 /// A scene file's path and text.
 #[derive(Debug, Clone, Copy)]
@@ -20,17 +20,12 @@ impl<'a> Source<'a> {
     }
 
     pub(super) fn parse(&self) -> Result<Document, SceneError> {
-        toml::from_str(self.text).map_err(|error| match error.span() {
-            Some(span) => self.error(span, error.message()),
-            None => SceneError::new(error.message()).in_file(self.path),
-        })
+        keys::parse(self.text).map_err(|error| error.in_file(self.path))
     }
 
     /// An error about a piece of the text.
     pub(super) fn error(&self, span: Range<usize>, problem: impl Into<String>) -> SceneError {
-        let before = &self.text.as_bytes()[..span.start.min(self.text.len())];
-        let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
-        SceneError::new(problem).in_file(self.path).at_line(line)
+        SceneError::new(problem).in_file(self.path).at(self.text, span)
     }
 
     /// The error of a file that the scene names: about that file; where it can't be read at all, where it is named as

@@ -2,8 +2,8 @@
 
 use super::document::SubsurfaceTable;
 use super::source::Source;
+use crate::keys::Spanned;
 use crate::{SceneError, Subsurface};
-use toml::Spanned;
 
 /// Refractive index of who doesn't say which: that of skin, milk and marble lies between 1.3 and 1.5 [Jensen2001, figure 5].
 const DEFAULT_INDEX: f32 = 1.4;

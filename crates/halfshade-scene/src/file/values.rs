@@ -2,32 +2,14 @@
 
 use super::source::Source;
 use crate::SceneError;
+use crate::keys::Spanned;
 use crate::mesh::LARGEST_COORDINATE;
 use glam::Vec3;
-use std::ops::RangeInclusive;
-use toml::Spanned;
 
 type Result<T> = std::result::Result<T, SceneError>;
 
 /// Remedy for a scene too large to compute with.
 const IF_LARGER: &str = "; choose a larger unit of length if the scene is that large";
-
-/// A whole number within a range, or its default.
-pub(super) fn whole(
-    source: &Source<'_>,
-    what: &str,
-    value: Option<Spanned<i64>>,
-    range: RangeInclusive<i64>,
-    default: usize,
-) -> Result<usize> {
-    let Some(value) = value else { return Ok(default) };
-    let number = *value.get_ref();
-    if range.contains(&number) {
-        return Ok(number as usize);
-    }
-    let (min, max) = range.into_inner();
-    Err(source.error(value.span(), format!("{what} = {number} lies outside of {min} to {max}")))
-}
 
 /// A value that `fits`, or an error that says what is expected.
 pub(super) fn checked<T: Copy + std::fmt::Debug>(

@@ -5,8 +5,9 @@ use super::image_file::{Decoded, Image, decode};
 use super::{EnvironmentMap, luminance};
 use crate::SceneError;
 use glam::{DMat3, Vec3};
+use schemars::JsonSchema;
+use serde::Deserialize;
 use std::path::Path;
-use std::str::FromStr;
 
 /// Extensions of the images that [`load_probe`] reads, in lower case.
 pub const EXTENSIONS: &[&str] = &["hdr", "pic", "exr"];
@@ -15,29 +16,13 @@ pub const EXTENSIONS: &[&str] = &["hdr", "pic", "exr"];
 const NEGLIGIBLE: f32 = 0.01;
 
 /// Projection of all directions onto an image.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
 pub enum Projection {
     /// Latitude and longitude: row 0 is the zenith, width is twice the height.
     LatLong,
     /// A disc: radius proportional to the angle from the centre. Width equals height.
     Angular,
-}
-
-impl Projection {
-    /// The names that scene files use.
-    pub const NAMES: [&'static str; 2] = ["latlong", "angular"];
-}
-
-impl FromStr for Projection {
-    type Err = SceneError;
-
-    fn from_str(name: &str) -> Result<Self, SceneError> {
-        match name {
-            "latlong" => Ok(Self::LatLong),
-            "angular" => Ok(Self::Angular),
-            _ => Err(SceneError::new(format!("unknown projection `{name}`; known: {}", Self::NAMES.join(", ")))),
-        }
-    }
 }
 
 /// Options for reading a light probe.
@@ -75,9 +60,12 @@ pub fn load_probe(path: &Path, options: &ProbeOptions) -> Result<(EnvironmentMap
     read(path, options).map_err(|error| error.in_file(path))
 }
 
+/// Columns and rows of a picture, its pixels, and what the user should know.
+pub(crate) type Picture = ([usize; 2], Vec<Vec3>, Vec<String>);
+
 /// Reads a picture of radiance, Radiance HDR or OpenEXR, whatever its shape and its projection: columns and rows, pixels
 /// row by row from the top, and what the user should know. Radiance is converted and checked as [`load_probe`] does.
-pub(crate) fn load_picture(path: &Path) -> Result<([usize; 2], Vec<Vec3>, Vec<String>), SceneError> {
+pub(crate) fn load_picture(path: &Path) -> Result<Picture, SceneError> {
     let read = || {
         let bytes = crate::input::read(path).map_err(|error| SceneError::new(format!("cannot be read: {error}")))?;
         let Decoded { mut image, to_rec709, mut notes } = decode(&bytes, None)?;

@@ -4,10 +4,11 @@ use super::words::shown;
 use crate::SceneError;
 use crate::texture::linear_from_srgb;
 use glam::Vec3;
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 /// Encoding of vertex colours.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum ColorEncoding {
     /// As in pictures, \[IEC61966-2-1\].

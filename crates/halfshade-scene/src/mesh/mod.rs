@@ -16,7 +16,9 @@ mod ply;
 mod polygon;
 mod repair;
 mod topology;
+mod unit_size;
 mod weld;
+mod winding;
 mod words;
 
 pub use alpha_mask::AlphaMask;
@@ -30,6 +32,7 @@ pub use normals::smooth_normals;
 pub use repair::repaired;
 pub use topology::{Body, Topology};
 pub use weld::{Welded, weld};
+pub(crate) use winding::winding;
 
 use crate::Texture;
 use glam::{DVec3, Vec2, Vec3};

@@ -2,10 +2,10 @@
 
 use super::orient::orient;
 use super::topology::signed_volume;
+use super::winding::winding;
 use super::{Mesh, Welded, doubled_area_vector, weld};
 use glam::{DVec3, Vec3};
 use std::collections::HashSet;
-use std::f64::consts::PI;
 
 /// The mesh, repaired, and what was done, for people; nothing said if nothing was done.
 ///
@@ -88,22 +88,12 @@ fn inside_out_bodies(welded: &Welded, body_of: &[u32], solid: &[bool]) -> Vec<bo
             }
             let [a, b, c] = welded.corners(members[body][0]).map(Vec3::as_dvec3);
             let point = (a + b + c) / 3.0;
-            let around = (0..solid.len())
-                .filter(|&other| other != body && solid[other] && winding(welded, &members[other], point).abs() > 0.5);
+            let is_around =
+                |other: usize| winding(members[other].iter().map(|&t| welded.corners(t)), point).abs() > 0.5;
+            let around = (0..solid.len()).filter(|&other| other != body && solid[other] && is_around(other));
             around.count() % 2 == 0
         })
         .collect()
-}
-
-/// Winding number of a closed surface around `point`: 0 outside, ±1 inside (\[Jacobson2013\]; solid angles after
-/// \[VanOosterom1983\]).
-fn winding(welded: &Welded, triangles: &[usize], point: DVec3) -> f64 {
-    let solid_angle = |t: usize| {
-        let [a, b, c] = welded.corners(t).map(|p| p.as_dvec3() - point);
-        let (la, lb, lc) = (a.length(), b.length(), c.length());
-        2.0 * a.dot(b.cross(c)).atan2(la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb)
-    };
-    triangles.iter().map(|&t| solid_angle(t)).sum::<f64>() / (4.0 * PI)
 }
 
 /// Turns normals that face away from the triangles around them.

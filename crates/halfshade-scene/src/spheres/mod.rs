@@ -26,6 +26,7 @@ pub use hierarchy::{HierarchyLevel, SphereHierarchy};
 pub use overlap::overlap_shares;
 
 use glam::{DVec3, Vec3};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A sphere.
@@ -38,7 +39,7 @@ pub struct Sphere {
 }
 
 /// Aim of a sphere set.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum SphereFit {
     /// Every point of the surface lies in at least one sphere, with little volume outside the mesh [Guerrero2007, 4.1].

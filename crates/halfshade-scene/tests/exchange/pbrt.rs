@@ -3,7 +3,7 @@
 use super::{load, notes, read, write};
 use glam::Vec3;
 use halfshade_scene::light::DistantLight;
-use halfshade_scene::{Scene, SphereLight, exr_bytes};
+use halfshade_scene::{ExrFacts, Scene, SphereLight, exr_bytes};
 
 /// A scene with a triangle, a camera, and whatever else.
 fn scene_with(rest: &str) -> String {
@@ -70,7 +70,7 @@ fn files_beside_the_scene_are_read() {
                property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0.5\n0 1 0\n3 0 1 2\n3 0 2 3\n";
     write(folder.path(), "meshes/m.ply", ply);
     let pixels: Vec<Vec3> = (0..256).map(|i| if i == 8 * 16 + 15 { Vec3::splat(9.0) } else { Vec3::ZERO }).collect();
-    write(folder.path(), "sky.exr", exr_bytes([16, 16], &[("", &pixels)]).unwrap());
+    write(folder.path(), "sky.exr", exr_bytes([16, 16], &[("", &pixels)], ExrFacts::default()).unwrap());
     write(folder.path(), "more.pbrt", "Shape \"plymesh\" \"string filename\" \"meshes/m.ply\"\nShape \"cone\"");
     write(
         folder.path(),

@@ -338,15 +338,15 @@ fn scene_files_choose_an_animation_by_number_or_name() {
 fn what_a_file_lacks_is_named_with_the_line_that_asks() {
     let column = Column::default();
     for (animation, parts) in [
-        ("animation = 1", &["s.toml:4: ", "column.glb: ", "no animation 1", "0 (`bend`)"][..]),
-        ("animation = \"walk\"", &["s.toml:4: ", "no animation `walk`", "0 (`bend`)"]),
-        ("animation = 0.5", &["s.toml:4: ", "number or the name"]),
+        ("animation = 1", &["s.toml:4:13: ", "column.glb: ", "no animation 1", "0 (`bend`)"][..]),
+        ("animation = \"walk\"", &["s.toml:4:13: ", "no animation `walk`", "0 (`bend`)"]),
+        ("animation = 0.5", &["s.toml:4:13: ", "must be a whole number or a text in quotes"]),
     ] {
         let error = scene(&column, animation).unwrap_err().to_string();
         assert!(parts.iter().all(|part| error.contains(part)), "{animation}: {error}");
     }
     let bare = scene(&Column::edited(r#""mesh":0,"skin":0"#, r#""mesh":0"#), "animation = 0").unwrap_err().to_string();
-    assert!(bare.contains("s.toml:4: ") && bare.contains("no skin") && bare.contains("keyframe"), "{bare}");
+    assert!(bare.contains("s.toml:4:13: ") && bare.contains("no skin") && bare.contains("keyframe"), "{bare}");
     let still = Column {
         edit: Box::new(|json| {
             let (start, end) = (json.find(r#""animations""#).unwrap(), json.find(r#""accessors""#).unwrap());

@@ -1,8 +1,12 @@
 //! State that commands share.
 
 use crate::{
-    band_limit, cli::SceneArguments, failure::Failure, revision::revision, strategies::strategies,
-    terminal::ProgressBars,
+    band_limit,
+    cli::{GlobalArguments, SceneArguments},
+    failure::Failure,
+    progress::{ToldProgress, Verbosity},
+    revision::REVISION,
+    strategies::strategies,
 };
 use halfshade_gpu::{Choice, Gpu};
 use halfshade_harness::{
@@ -13,21 +17,18 @@ use halfshade_harness::{
 };
 use halfshade_scene::{Progress, Scene, cache::Cache, input, scene::MAX_BOUNCES};
 use halfshade_strategy::Strategy;
-use std::{
-    ffi::OsString,
-    path::{Path, PathBuf},
-};
+use std::{ffi::OsString, path::Path};
 
 /// The machinery that every command works with.
 pub(super) struct Context {
     pub(super) cache: Cache,
     pub(super) threads: Option<usize>,
-    pub(super) bars: ProgressBars,
+    pub(super) bars: ToldProgress,
     pub(super) clock: SystemClock,
     pub(super) strategies: Vec<Box<dyn Strategy>>,
     /// Graphics device that is wanted, if it was said.
     gpu: Option<Choice>,
-    revision: String,
+    pub(super) revision: &'static str,
     /// The command as it was given.
     pub(super) arguments: Vec<OsString>,
 }
@@ -35,20 +36,27 @@ pub(super) struct Context {
 impl Context {
     /// State at the start of a command that was given these `arguments`.
     pub(super) fn new(
-        cache: Option<PathBuf>,
-        threads: Option<usize>,
-        gpu: Option<Choice>,
+        global: GlobalArguments,
         arguments: Vec<OsString>,
+        more: impl FnOnce(&Cache) -> Vec<Box<dyn Strategy>>,
     ) -> Self {
+        let GlobalArguments { cache, threads, gpu, quiet, verbose } = global;
         let cache = Cache::open(cache);
+        let mut strategies = strategies(&cache);
+        strategies.extend(more(&cache));
+        let verbosity = match (quiet, verbose) {
+            (true, _) => Verbosity::Quiet,
+            (false, true) => Verbosity::Verbose,
+            (false, false) => Verbosity::Usual,
+        };
         Self {
             threads,
-            bars: ProgressBars::new(),
+            bars: ToldProgress::new(verbosity),
             clock: SystemClock::start(),
-            strategies: strategies(&cache),
+            strategies,
             cache,
             gpu,
-            revision: revision(),
+            revision: REVISION,
             arguments,
         }
     }
@@ -86,7 +94,7 @@ impl Context {
             cache: &self.cache,
             progress: &self.bars,
             clock: &self.clock,
-            revision: &self.revision,
+            revision: self.revision,
         })
     }
 

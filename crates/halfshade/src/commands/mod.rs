@@ -2,14 +2,18 @@
 
 mod check;
 mod compare;
+mod completions;
 mod context;
 mod export;
 mod list;
+mod man;
 mod merge;
+mod new;
 mod picture;
 mod render;
 mod report;
 mod run;
+mod schema;
 mod spheres;
 mod truth;
 mod tune;
@@ -19,11 +23,17 @@ use crate::{
     failure::Failure,
 };
 use context::Context;
+use halfshade_scene::Cache;
+use halfshade_strategy::Strategy;
 use std::{ffi::OsString, process::ExitCode};
 
-/// Does what was asked.
-pub(crate) fn dispatch(cli: Cli, arguments: Vec<OsString>) -> Result<ExitCode, Failure> {
-    let context = Context::new(cli.cache, cli.threads, cli.gpu, arguments);
+/// Does what was asked, with `more` strategies than our own.
+pub(crate) fn dispatch(
+    cli: Cli,
+    arguments: Vec<OsString>,
+    more: impl FnOnce(&Cache) -> Vec<Box<dyn Strategy>>,
+) -> Result<ExitCode, Failure> {
+    let context = Context::new(cli.global, arguments, more);
     match cli.command {
         Command::Run(arguments) => run::run(&context, &arguments),
         Command::Compare(arguments) => compare::compare(&context, &arguments),
@@ -31,6 +41,10 @@ pub(crate) fn dispatch(cli: Cli, arguments: Vec<OsString>) -> Result<ExitCode, F
         Command::Merge(arguments) => merge::merge(&context, &arguments),
         Command::List(arguments) => list::list(&context, &arguments),
         Command::Report(arguments) => report::report(&context, &arguments),
+        Command::New(arguments) => new::new(&context, &arguments),
+        Command::Schema(arguments) => schema::schema(&arguments),
+        Command::Completions(arguments) => completions::completions(&arguments),
+        Command::Man(arguments) => man::man(&arguments),
         Command::Tune(arguments) => tune::tune(&context, &arguments),
         Command::Render(arguments) => on_threads(&context, || render::render(&context, &arguments)),
         Command::Truth(arguments) => on_threads(&context, || truth::truth(&context, &arguments)),

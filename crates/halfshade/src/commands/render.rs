@@ -10,9 +10,10 @@ use crate::{
 };
 use halfshade_harness::{
     Picture, ReceiverWeights, Reference, ReferenceKind, Variant,
+    ability::inability,
     clock::time_secs,
     frame_time::frame_times,
-    image_io::{check_extension, write_picture},
+    image_io::{Origin, check_extension, write_picture},
     metrics::{compare, relative},
     projection::Projection,
     reference::{Accuracy, ReferenceTracer},
@@ -22,7 +23,6 @@ use halfshade_harness::{
     statistics::Spread,
 };
 use halfshade_scene::{Frame, Progress, RadianceBuffer, ReceiverBuffer};
-use halfshade_strategy::Effects;
 use halfshade_truth::Tracer;
 use std::{process::ExitCode, sync::Arc};
 
@@ -39,9 +39,8 @@ pub(super) fn render(context: &Context, arguments: &RenderArguments) -> Result<E
             Failure::Error(format!("`{}` has no kernels for graphics devices yet; take --device cpu", variant.name))
         })?,
     };
-    let missing = strategy.info().effects.missing(Effects::required_by(&scene));
-    if !missing.is_empty() {
-        return Err(Failure::Error(format!("`{}` can't model {missing}, which the scene requires", variant.name)));
+    if let Some(reason) = inability(strategy, &scene, &context.strategies) {
+        return Err(Failure::Error(format!("strategy `{}` {reason}", variant.name)));
     }
     if strategy.needs_spheres() {
         for note in scene.build_spheres(&context.cache, &context.bars)? {
@@ -82,7 +81,14 @@ pub(super) fn render(context: &Context, arguments: &RenderArguments) -> Result<E
     }
     let exposure = exposure(&layers[0].1, &arguments.picture);
     let layers: Vec<(&str, &Picture)> = layers.iter().map(|(name, picture)| (name.as_str(), picture)).collect();
-    write_picture(&output, &layers, exposure)?;
+    let origin = Origin {
+        program: context.revision,
+        scene: &scene.name,
+        frame: arguments.scene.frame,
+        strategy: &variant.label,
+        truth_samples: arguments.truth.then_some(arguments.samples),
+    };
+    write_picture(&output, &layers, exposure, &origin)?;
     context.bars.note(&format!("wrote {}{}", output.display(), told_exposure(&output, exposure)));
     Ok(ExitCode::SUCCESS)
 }

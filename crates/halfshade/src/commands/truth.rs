@@ -5,7 +5,7 @@ use super::picture::{background, default_output, exposure, sees_nothing, told_ex
 use crate::{cli::TruthArguments, failure::Failure, terminal};
 use glam::Vec3;
 use halfshade_harness::{
-    image_io::{check_extension, write_picture},
+    image_io::{Origin, check_extension, write_picture},
     metrics::relative,
     projection::Projection,
     reference::check_range,
@@ -35,7 +35,14 @@ pub(super) fn truth(context: &Context, arguments: &TruthArguments) -> Result<Exi
     let relative = relative(found.rms_standard_error, found.unshadowed_mean);
     let stderr = projection.picture(&found.standard_error, Vec3::ZERO);
     let exposure = exposure(&picture, &arguments.picture);
-    write_picture(&output, &[("", &picture), ("stderr", &stderr)], exposure)?;
+    let origin = Origin {
+        program: context.revision,
+        scene: &scene.name,
+        frame: arguments.scene.frame,
+        strategy: "truth",
+        truth_samples: Some(found.samples),
+    };
+    write_picture(&output, &[("", &picture), ("stderr", &stderr)], exposure, &origin)?;
     terminal::data(&format!(
         "receivers: {}\nsamples: {}\nrms_standard_error: {:.3e}\nrelative_standard_error: {}\nunshadowed_mean: {}\n",
         receivers.len(),

@@ -6,7 +6,7 @@ use super::ply::{Column, ply};
 use super::xml::{Xml, triple};
 use crate::exchange::Exported;
 use crate::light::{DistantLight, Sun};
-use crate::{Frame, ReceiverBuffer, Receivers, SceneError, Texture, exr_bytes};
+use crate::{ExrFacts, Frame, ReceiverBuffer, Receivers, SceneError, Texture, exr_bytes};
 use glam::Vec3;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -109,7 +109,7 @@ impl Writer {
             }
             DistantLight::Map(map) => {
                 let image = map_image::image(map);
-                let bytes = exr_bytes([image.width, image.height], &[("", &image.pixels)]);
+                let bytes = exr_bytes([image.width, image.height], &[("", &image.pixels)], ExrFacts::default());
                 self.files.push(("environment.exr".to_owned(), bytes.map_err(SceneError::new)?));
                 xml.element("emitter", &[("type", "envmap")], |xml| {
                     xml.value("string", "filename", "environment.exr");

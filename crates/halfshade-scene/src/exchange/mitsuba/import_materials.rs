@@ -132,7 +132,8 @@ impl Materials {
         }
         let (specular, exponent) = (read("specular_texture")?, read("exponent_texture")?);
         // Only a note: vertices that vary gloss have no place in mesh files that are read.
-        (read("specular_factor")?, read("exponent_factor")?);
+        read("specular_factor")?;
+        read("exponent_factor")?;
         if specular.is_some() || exponent.is_some() {
             material.gloss_variation = Some(Arc::new(GlossVariation { vertices: Vec::new(), specular, exponent }));
         }

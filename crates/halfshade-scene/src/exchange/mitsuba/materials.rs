@@ -2,7 +2,7 @@
 
 use super::xml::{Xml, triple};
 use crate::texture::{Filter, Wrap};
-use crate::{Material, Pose, Reflectance, SceneError, Texture, exr_bytes};
+use crate::{ExrFacts, Material, Pose, Reflectance, SceneError, Texture, exr_bytes};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -39,7 +39,8 @@ impl Textures {
         }
         let name = format!("textures/{}.exr", self.written.len());
         let texels: Vec<Vec3> = texture.texels().iter().map(|texel| factor * *texel).collect();
-        let bytes = exr_bytes([texture.width(), texture.height()], &[("", &texels)]).map_err(SceneError::new)?;
+        let bytes = exr_bytes([texture.width(), texture.height()], &[("", &texels)], ExrFacts::default())
+            .map_err(SceneError::new)?;
         self.files.push((name.clone(), bytes));
         self.written.push((texture.clone(), factor, name.clone()));
         if texture.wrap()[0] != texture.wrap()[1] {

@@ -88,26 +88,22 @@ fn little_is_enough_and_lights_replace_the_default_environment() {
 
 /// Text after an object that is wrong, the line of the error, and words in it.
 const MISTAKES: &[(&str, usize, &[&str])] = &[
-    ("colour = [1, 1, 1]", 3, &["unknown field `colour`", "albedo", "keyframe"]),
+    ("colour = [1, 1, 1]", 3, &["unknown key `colour`", "albedo", "keyframe"]),
     ("albedo = [1, 1.1, 0]", 3, &["albedo", "[0, 1]"]),
     ("albedo = [1, nan, 0]", 3, &["albedo"]),
-    ("albedo = [1, 1]", 3, &[]),
+    ("albedo = [1, 1]", 3, &["`albedo` must be a list of 3 numbers, not a list of 2"]),
     ("albedo_texture = \"x.png\"", 3, &["`box` has no texture coordinates"]),
-    ("subsurface = {}", 3, &["missing field `absorption`"]),
-    (
-        "subsurface = { absorption = [1, 1, 1], scattering = 1 }",
-        3,
-        &["unknown field `scattering`", "reduced_scattering"],
-    ),
+    ("reflectance = {}", 3, &["`reflectance` needs the key `model`"]),
+    ("subsurface = {}", 3, &["needs the key `absorption`"]),
+    ("subsurface = { absorption = [1, 1, 1], scattering = 1 }", 3, &["unknown key `scattering`", "reduced_scattering"]),
     (
         "subsurface.absorption = [0, 0, 0]\nsubsurface.reduced_scattering = [0, 1, 1]",
         3,
         &["add up to at least", "leave"],
     ),
     ("subsurface.absorption = [0, 0, -1]\nsubsurface.reduced_scattering = [1, 1, 1]", 3, &["within [0, 1e6]"]),
-    ("reflectance = {}", 3, &["missing field `model`"]),
     ("reflectance = { model = \"ward\" }", 3, &["unknown model `ward`", "modified-phong", "lafortune"]),
-    ("reflectance = { model = \"phong\", shine = 1 }", 3, &["unknown field `shine`", "specular"]),
+    ("reflectance = { model = \"phong\", shine = 1 }", 3, &["unknown key `shine`", "specular"]),
     ("reflectance = { model = \"phong\", exponent = 1 }", 3, &["`phong` needs specular"]),
     ("reflectance = { model = \"phong\", specular = [1, 1, 1] }", 3, &["needs exponent"]),
     ("reflectance.model = \"phong\"\nreflectance.specular = [1, -1, 1]\nreflectance.exponent = 1", 4, &["specular"]),
@@ -136,7 +132,7 @@ const MISTAKES: &[(&str, usize, &[&str])] = &[
     (
         "reflectance = { model = \"lafortune\", lobes = [{ scale = [1, 1, 1], exponent = 9 }] }",
         3,
-        &["missing field `axis`"],
+        &["needs the key `axis`"],
     ),
     (
         "reflectance = { model = \"phong\", specular = [1, 1, 1], exponent = 1, exponent_texture = \"x.png\" }",
@@ -144,14 +140,14 @@ const MISTAKES: &[(&str, usize, &[&str])] = &[
         &["`box` has no texture coordinates", "exponent_texture"],
     ),
     ("animation = 0", 3, &["animation", "this is a shape"]),
-    ("animation = -1", 3, &["number or the name"]),
+    ("animation = -1", 3, &["`animation` must be a whole number or a text in quotes"]),
     ("[[object]]\nmesh = \"none.glb\"\nanimation = 0", 4, &["none.glb", "cannot be read"]),
     ("[[object]]\nmesh = \"x.obj\"\nanimation = \"a\"", 4, &["`.obj` files have no animations"]),
     ("scale = 0", 3, &["scale", "positive"]),
     ("scale = -1", 3, &["scale"]),
     ("scale = inf", 3, &["scale"]),
-    ("\nspheres = -1", 4, &["spheres = -1", "0 to"]),
-    ("\nspheres = 1000000", 4, &["spheres = 1000000", "0 to 2000"]),
+    ("\nspheres = -1", 4, &["`spheres` = -1", "from 0 to"]),
+    ("\nspheres = 1000000", 4, &["`spheres` = 1000000", "from 0 to 2000"]),
     ("translate = [0, inf, 0]", 3, &["translate"]),
     ("translate = [1e37, 0, 0]", 3, &["translate = [1e37, 0.0, 0.0]", "from -1e12 to 1e12", "unit of length"]),
     ("scale = 2e12", 3, &["scale = 2000000000000.0", "at most 1.00e12", "unit of length"]),
@@ -176,16 +172,22 @@ const MISTAKES: &[(&str, usize, &[&str])] = &[
     ("[environment]\nconstant = [1, 1, 1]\nimage = \"x.hdr\"", 3, &["one of: constant, image, sky"]),
     ("[environment]", 3, &["one of: constant, image, sky"]),
     ("[environment]\nimage = \"none.hdr\"", 4, &["none.hdr", "cannot be read"]),
-    ("[environment]\nimage = \"none.hdr\"\nprojection = \"ball\"", 5, &["ball", "latlong, angular"]),
+    (
+        "[environment]\nimage = \"none.hdr\"\nprojection = \"ball\"",
+        5,
+        &["unknown projection `ball`", "latlong, angular"],
+    ),
     ("[environment]\nconstant = [1, 1, 1]\nforward_degrees = 1", 5, &["belong to an image"]),
-    ("[environment]\nsky = { turbidity = 99 }", 4, &["turbidity", "10"]),
+    ("[environment]\nsky = { turbidity = 99 }", 4, &["`turbidity` = 99 must be from 1.7 to 10"]),
     ("[[light]]\nsphere = { center = [0, 0, 0], radius = 0 }\nradiance = [1, 1, 1]", 4, &["radius", "positive"]),
     ("[[light]]\nsphere = { center = [0, 0, 0], radius = 1 }\nradiance = [1, inf, 1]", 5, &["radiance"]),
-    ("[[light]]\nradiance = [1, 1, 1]", 3, &["missing field `sphere`"]),
+    ("[[light]]\nradiance = [1, 1, 1]", 3, &["`light` needs the key `sphere`"]),
     ("[camera]\neye = [0, 1, 0]\ntarget = [0, 1, 0]", 5, &["target is its eye"]),
     ("[camera]\neye = [0, 1, 0]\ntarget = [0, 0, 0]\nvertical_fov_degrees = 180", 6, &["between 0 and 180"]),
     ("[camera]\neye = [0, 1, 0]\ntarget = [0, 0, 0]\nresolution = [0, 5]", 6, &["1 to 16384"]),
     ("[animation]\nframes_per_sec = 0", 4, &["frames_per_sec"]),
+    ("fit = \"shadows\"", 3, &["unknown fit `shadows` (did you mean `shadow`?)", "bounding"]),
+    ("unit_size = true", 3, &["unit_size belongs to a mesh file"]),
     ("[animation]\nframe_count = 0", 4, &["frame_count"]),
     ("[[object]]\nshape = \"cow\"", 4, &["unknown shape `cow`", "torus"]),
     ("[[object]]\nmesh = \"none.obj\"", 4, &["none.obj", "cannot be read"]),
@@ -197,7 +199,7 @@ fn mistakes_are_named_with_file_line_and_what_is_known() {
     for &(addition, line, parts) in MISTAKES {
         let error = read(&format!("{OBJECT}{addition}")).unwrap_err();
         let text = error.to_string();
-        assert!(text.starts_with(&format!("folder/s.toml:{line}: ")), "{addition:?}: {text}");
+        assert!(text.starts_with(&format!("folder/s.toml:{line}:")), "{addition:?}: {text}");
         assert!(parts.iter().all(|part| text.contains(part)), "{addition:?}: {text}");
     }
     assert!(read("name = \"x\"").unwrap_err().to_string().contains("no objects"));
@@ -223,5 +225,33 @@ fn a_file_can_hold_its_scene_still() {
     assert_eq!((scene.name.as_str(), scene.frame_count, scene.objects[0].motion.moves()), ("a", 1, false));
     assert!((scene.frame(0).world_from_object[0].translation - Vec3::Y).length() < 1e-6);
     let error = read(&format!("still = 31\n{moving}")).unwrap_err().to_string();
-    assert!(error.contains("s.toml:1") && error.contains("still"), "{error}");
+    assert!(error.contains("s.toml:1:9: still = 31 lies behind the last frame, 30"), "{error}");
+}
+
+#[test]
+fn mistakes_are_marked_in_their_line() {
+    let error = read(&format!("{OBJECT}shere = 3")).unwrap_err().to_string();
+    assert!(error.ends_with("\n  |\n3 | shere = 3\n  | ^^^^^"), "{error}");
+    let error = read(&format!("{OBJECT}albedo = [1, 2, 1]")).unwrap_err().to_string();
+    assert!(error.ends_with("\n3 | albedo = [1, 2, 1]\n  |          ^^^^^^^^^"), "{error}");
+}
+
+#[test]
+fn cameras_inside_and_odd_sizes_are_noted() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(
+        folder.path().join("m.obj"),
+        "v 0 0 0\nv 900 0 0\nv 0 900 0\nv 0 0 900\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n",
+    )
+    .unwrap();
+    let notes = |more: &str| {
+        let text = format!("{OBJECT}[[object]]\nmesh = \"m.obj\"\n{more}");
+        let path = folder.path().join("s.toml");
+        let source = Source::new(&path, &text);
+        scene(&source, source.parse().unwrap()).unwrap().notes.join("\n")
+    };
+    assert!(notes("").contains("s.toml: `m` is 900.000 in size, 450 times larger than all others"), "{}", notes(""));
+    assert_eq!((notes("unit_size = true"), notes("scale = 0.01")), (String::new(), String::new()));
+    let inside = notes("unit_size = true\n[camera]\neye = [0.9, 0.9, 0.9]\ntarget = [0, 0, 0]");
+    assert!(inside.contains("s.toml: the camera's eye is inside `box`"), "{inside}");
 }

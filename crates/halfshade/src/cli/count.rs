@@ -1,0 +1,13 @@
+//! Counts on the command line.
+
+use halfshade_harness::threads::MAX_THREADS;
+
+pub(super) fn thread_count(text: &str) -> Result<usize, String> {
+    count(text, MAX_THREADS)
+}
+
+/// A whole number from 1 to `most`.
+pub(super) fn count(text: &str, most: usize) -> Result<usize, String> {
+    let count = text.parse().ok().filter(|count| (1..=most).contains(count));
+    count.ok_or_else(|| format!("expected a whole number from 1 to {most}"))
+}
