@@ -2,7 +2,7 @@
 
 use super::{load, write};
 use glam::Vec3;
-use halfshade_scene::exr_bytes;
+use halfshade_scene::{ExrFacts, exr_bytes};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::time::{Duration, Instant};
@@ -44,7 +44,7 @@ ObjectInstance "o"
 #[test]
 fn no_damage_makes_the_readers_panic_or_hang() {
     let folder = tempfile::tempdir().unwrap();
-    write(folder.path(), "e.exr", exr_bytes([2, 2], &[("", &[Vec3::ONE; 4])]).unwrap());
+    write(folder.path(), "e.exr", exr_bytes([2, 2], &[("", &[Vec3::ONE; 4])], ExrFacts::default()).unwrap());
     let corpus = [("a.xml", MITSUBA), ("a.pbrt", PBRT)];
     for (name, text) in corpus {
         write(folder.path(), name, text);
