@@ -269,7 +269,7 @@ mod tests {
                 }
             }
             let cut = translucent.cut(at);
-            let side = 64;
+            let side = 256;
             let middle = |k: i32| (f64::from(k) + 0.5) / f64::from(side);
             let points =
                 (0..side * side).map(|k| translucent.draw(&cut, [middle(k / side), middle(k % side)]).unwrap());

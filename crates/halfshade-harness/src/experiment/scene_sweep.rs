@@ -5,6 +5,7 @@ use crate::HarnessError;
 use halfshade_scene::{
     file::Change,
     keys::{self, Spanned},
+    text,
 };
 use std::ops::Range;
 
@@ -53,7 +54,8 @@ impl SceneEntry {
         }
         if !KEYS.contains(&key) {
             return Err(format!(
-                "can't be swept; {} and paths into a scene file such as light.1.radiance can",
+                "can't be swept{}; {} and paths into a scene file such as light.1.radiance can",
+                text::did_you_mean(key, KEYS),
                 KEYS.join(", ")
             ));
         }
@@ -110,7 +112,7 @@ mod tests {
             ("{ spheres = [] }", "empty list"),
             ("{ spheres = [10, 10] }", "lists 10 twice"),
             ("{ spheres = [0] }", "`spheres` = 0 must be from 1"),
-            ("{ sphere = [1] }", "unknown key `sphere` (did you mean `spheres`?)"),
+            ("{ sphere = [1] }", "`sphere`: can't be swept (did you mean `spheres`?)"),
             ("{ frames = [1] }", "can't be swept"),
             ("{ spheres = 10 }", "`spheres` must be a list of values, not 10"),
         ] {

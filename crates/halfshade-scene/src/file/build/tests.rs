@@ -215,7 +215,7 @@ fn the_sun_may_stand_where_it_is() {
 #[test]
 fn unknown_top_level_keys_are_errors_too() {
     let text = read(&format!("{OBJECT}[weather]\nrain = 1")).unwrap_err().to_string();
-    assert!(text.starts_with("folder/s.toml:3: ") && text.contains("animation"), "{text}");
+    assert!(text.starts_with("folder/s.toml:3:2: ") && text.contains("animation"), "{text}");
 }
 
 #[test]
