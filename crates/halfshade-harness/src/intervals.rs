@@ -7,14 +7,14 @@
 //! channels, and n = 1/Σp² receivers that would count alike:
 //!
 //! - means m = Σ p f (bias, mae; of e² − s² for the RMSE): a receiver adds u = p (f − m), `σ² = Σu² n/(n − 1)`, and
-//!   `m − σ T(±t)`, with `T(t) = 3/g [∛(1 + g (t − g/6)) − 1]`, g = Σu³/(Σu²)^1.5, which takes the skewness off [Hall1992]: squares of
+//!   `m − σ T(±t)`, with `T(t) = 3/g [∛(1 + g (t − g/6)) − 1]`, g = Σu³/(Σu²)^1.5, which takes the skewness off \[Hall1992\]: squares of
 //!   errors are skewed, and a plain bootstrap's intervals of their means hold 74 to 94 % instead of 95 %. t is of Student's
 //!   distribution with `2/(κ − 1/n)` degrees of freedom, κ = Σu⁴/(Σu²)², n − 1 at most: heavy tails make σ itself uncertain;
 //! - the relative RMSE is a ratio, whose unit is a mean over the same receivers: to m/Ū², with Ū the mean of the unshadowed
 //!   radiance U, a receiver adds `[u − 2 (m/Ū) p (U − Ū)] / Ū²`, to first order; in a class u has shares of the class, the rest of all;
-//! - percentiles: the figures that so much more and less of the weight exceeds as a share can be off by [Woodruff1952], with
+//! - percentiles: the figures that so much more and less of the weight exceeds as a share can be off by \[Woodruff1952\], with
 //!   half a receiver for whole numbers. None where the upper one lies beyond all receivers;
-//! - shares of values below 0: the score interval [Wilson1927], with as many receivers as give the share its variance.
+//! - shares of values below 0: the score interval \[Wilson1927\], with as many receivers as give the share its variance.
 //!
 //! A maximum has none: what was not met may be larger by anything.
 //!

@@ -22,7 +22,8 @@ fn a_scene_is_exported_into_a_new_folder_and_can_be_rendered_from_there() {
         assert!(text.contains(place), "{text}");
     }
     assert_eq!((names(here.path()).len(), names(&here.path().join("mine"))), (3, vec!["notes.txt".to_owned()]));
-    let text = refused(halfshade(here.path()).args(["export", "a.toml", "--format", "mitsuba", "--frame", "3", "-o", "new"]));
+    let text =
+        refused(halfshade(here.path()).args(["export", "a.toml", "--format", "mitsuba", "--frame", "3", "-o", "new"]));
     assert!(text.contains("there is no frame 3"), "{text}");
 
     // The written scene is one here, too, and gives the same truth.

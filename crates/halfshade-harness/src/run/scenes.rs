@@ -7,7 +7,7 @@ use crate::{
     scene_source::{self, MeshLight},
 };
 use glam::Vec3;
-use halfshade_scene::{Camera, InputFile, Scene, SphereFit, doubts, input, spheres::MAX_SPHERES};
+use halfshade_scene::{Camera, InputFile, Scene, SphereFit, doubts, file::Change, input, spheres::MAX_SPHERES};
 use std::path::Path;
 
 const BAD_VIEW: &str = "camera: eye and target must be finite and apart, vertical_fov_degrees between 0 and 180";
@@ -64,23 +64,37 @@ pub(super) struct Loaded {
     pub(super) inputs: Vec<InputFile>,
 }
 
+/// Name, light and changes of a scene that is read.
+type Source = (String, Option<String>, Vec<Change>);
+
 /// Loads all scenes of `experiment`; of each only the first frame if `quick`.
 pub(super) fn scenes(experiment: &Experiment, quick: bool) -> Result<Loaded, HarnessError> {
     let folder = experiment.path.parent().unwrap_or(Path::new("."));
     let mut scenes: Vec<PlannedScene> = Vec::new();
     let mut inputs = Vec::new();
+    // What several entries name is read once.
+    let mut loaded: Vec<(Source, Scene)> = Vec::new();
     let swept = experiment.scenes.iter().map(|entry| entry.swept(experiment));
     for entry in swept.collect::<Result<Vec<_>, _>>()?.concat() {
         let error = |problem: String| experiment.error_at(entry.name.span(), problem);
         let light = MeshLight { name: entry.environment.as_deref(), ..MeshLight::default() };
-        let (scene, files) =
-            input::recorded(|| scene_source::resolve_changed(entry.name.get_ref(), folder, &light, &entry.changes));
-        inputs.extend(files);
-        let mut scene = scene.map_err(|problem| match problem {
-            // The place in the scene's own file is where the mistake is.
-            HarnessError::Scene(of_scene) if of_scene.line.is_some() => of_scene.into(),
-            other => error(other.to_string()),
-        })?;
+        let source = (entry.name.get_ref().clone(), entry.environment.clone(), entry.changes.clone());
+        let known = loaded.iter().find(|(other, _)| *other == source).map(|(_, scene)| scene.clone());
+        let mut scene = match known {
+            Some(scene) => scene,
+            None => {
+                let resolve = || scene_source::resolve_changed(&source.0, folder, &light, &source.2);
+                let (scene, files) = input::recorded(resolve);
+                inputs.extend(files);
+                let scene = scene.map_err(|problem| match problem {
+                    // The place in the scene's own file is where the mistake is.
+                    HarnessError::Scene(of_scene) if of_scene.line.is_some() => of_scene.into(),
+                    other => error(other.to_string()),
+                })?;
+                loaded.push((source, scene.clone()));
+                scene
+            }
+        };
         change(&mut scene, &entry, experiment)?;
         let of_pictures = || experiment.pictures.as_ref().and_then(|pictures| pictures.resolution);
         if let Some(size) = entry.resolution.or_else(of_pictures) {

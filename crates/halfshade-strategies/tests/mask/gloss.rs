@@ -12,13 +12,17 @@ use halfshade_scene::{
 use halfshade_strategies::Mask;
 use halfshade_truth::{Options, Tracer, estimate};
 
-/// Root of the mean square error over the mean unshadowed radiance.
-fn error(scene: &Scene, frame: &Frame<'_>, receivers: &ReceiverBuffer, settings: &str) -> f32 {
-    let found = shaded(&Mask, scene, frame, receivers, settings);
+/// Root of the mean square error over the mean unshadowed radiance, with 64 and with 256 directions.
+fn errors(scene: &Scene, frame: &Frame<'_>, receivers: &ReceiverBuffer) -> [f32; 2] {
     let options = Options { samples: 256, ..Options::default() };
     let truth = estimate(&Tracer::new(frame), receivers.view(), &options, &Silent);
-    let squares: f32 = (0..receivers.len()).map(|i| (found.at(i) - truth.radiance.at(i)).length_squared() / 3.0).sum();
-    (squares / receivers.len() as f32).sqrt() / (truth.unshadowed.iter().sum::<f32>() / receivers.len() as f32)
+    let count = receivers.len() as f32;
+    ["directions=64", "directions=256"].map(|settings| {
+        let found = shaded(&Mask, scene, frame, receivers, settings);
+        let square = |i: usize| (found.at(i) - truth.radiance.at(i)).length_squared() / 3.0;
+        let squares: f32 = (0..receivers.len()).map(square).sum();
+        (squares / count).sqrt() / (truth.unshadowed.iter().sum::<f32>() / count)
+    })
 }
 
 /// A slab that mirrors without a diffuse part, under balls that are their spheres.
@@ -62,7 +66,7 @@ fn sun() -> Environment {
 fn lobes_of_every_sharpness_are_shadowed() {
     let lamp = SphereLight { center: Vec3::new(1.0, 3.0, -1.5), radius: 0.6, radiance: Vec3::splat(20.0) };
     let mut over = Vec::new();
-    for exponent in [0.0, 3.0, 40.0, 1e3, 1e5] {
+    for exponent in [0.0, 40.0, 1e5] {
         for (name, environment, bounds) in [
             ("sky", Environment::constant(Vec3::ONE), [0.06, 0.05]),
             ("map", map(), [0.07, 0.06]),
@@ -77,8 +81,7 @@ fn lobes_of_every_sharpness_are_shadowed() {
             let all = ReceiverBuffer::vertices(&frame);
             let some: Vec<u32> = (0..all.len() as u32).step_by(9).collect();
             let receivers = ReceiverBuffer::gathered(all.view(), &some);
-            let errors =
-                ["directions=64", "directions=256"].map(|settings| error(&scene, &frame, &receivers, settings));
+            let errors = errors(&scene, &frame, &receivers);
             if errors.iter().zip(bounds).any(|(error, bound)| error.is_nan() || *error > bound) {
                 over.push((name, exponent, errors));
             }
@@ -99,11 +102,10 @@ fn built_in_scenes_shine() {
         let all = ReceiverBuffer::vertices(&frame);
         let is_glossy = |object: u32| scene.objects[object as usize].material.reflectance.is_glossy();
         let glossy: Vec<u32> = (0..all.len() as u32).filter(|&i| is_glossy(all.view().object[i as usize])).collect();
-        let some: Vec<u32> = glossy.iter().copied().step_by(glossy.len().div_ceil(400)).collect();
+        let some: Vec<u32> = glossy.iter().copied().step_by(glossy.len().div_ceil(200)).collect();
         let errors = |scene: &Scene| {
             let frame = scene.frame(number);
-            let receivers = ReceiverBuffer::gathered(ReceiverBuffer::vertices(&frame).view(), &some);
-            ["directions=64", "directions=256"].map(|settings| error(scene, &frame, &receivers, settings))
+            errors(scene, &frame, &ReceiverBuffer::gathered(ReceiverBuffer::vertices(&frame).view(), &some))
         };
         let glossy = errors(&scene);
         let mut dull = scene.clone();
