@@ -26,11 +26,9 @@ use std::{
     sync::{Arc, LazyLock},
 };
 
-/// Settings of `sh-exp` that are held to the contract.
-const SH_EXP: [&str; 2] = ["", "bounces=0,exp=shares,points=5,normals=16,own-directions=16"];
-
 /// Settings of `sh-exp` that are only compared with the CPU, which is held to the contract.
-const SH_EXP_BESIDE: [&str; 17] = [
+const SH_EXP_BESIDE: [&str; 18] = [
+    "bounces=0,exp=shares,points=5,normals=16,own-directions=16",
     "as-published",
     "bounces=0,levels=tree,rule=covering,normals=16,own-directions=16",
     "own=spheres,sun=projected,ground=ignored,normals=16,own-directions=16",
@@ -52,7 +50,8 @@ const SH_EXP_BESIDE: [&str; 17] = [
 
 /// Settings of `ray-traced` that are compared with the CPU: by light and by cosine alone, and more samples than one dispatch
 /// takes.
-const RAYS: [&str; 9] = [
+const RAYS: [&str; 10] = [
+    "samples=70",
     "plain,samples=64",
     "plain,samples=16,sampling=light",
     "plain,samples=16,sampling=cosine",
@@ -198,11 +197,8 @@ fn subjects() -> Vec<(&'static str, &'static str, Bounds)> {
     let table = Bounds { constant: 1e-5, quadrature: 0.01, gloss: 0.01, rotation: 0.005, brightening: 0.0 };
     // Ringing of few bands under a sun: a blocker beside the sun may brighten its ray.
     let ringing = Bounds { brightening: 0.2, ..table };
-    // Samples are turned neither with the scene nor with its number of blockers; 64 of a mirrored lamp err as much on the CPU.
-    let noise = Bounds { constant: 1e-4, quadrature: 0.6, gloss: 0.8, rotation: 0.5, brightening: 0.5 };
     let mut subjects = vec![("unshadowed", "", table)];
-    subjects.push(("ray-traced", "samples=70", Bounds { constant: 1e-5, quadrature: 0.01, ..noise }));
-    subjects.extend(SH_EXP.map(|settings| ("sh-exp", settings, ringing)));
+    subjects.push(("sh-exp", "", ringing));
     // Four bands of everything, as on the CPU.
     let few_bands = Bounds { constant: 0.02, quadrature: 0.5, gloss: 3.0, rotation: 0.1, brightening: 0.2 };
     subjects.push(("shadow-field", FIELDS, few_bands));

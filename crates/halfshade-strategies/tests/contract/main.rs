@@ -45,12 +45,6 @@ contract_tests!(
 const SHARES: Bounds = Bounds { constant: 1e-5, quadrature: 0.01, gloss: 0.15, rotation: 0.1, brightening: 1e-6 };
 
 contract_tests!(ray_traced_product, RayTraced, "unfiltered,samples=256", SHARES);
-contract_tests!(
-    ray_traced_product_unbiased,
-    RayTraced,
-    "unfiltered,samples=256,estimator=plain",
-    Bounds { quadrature: 0.1, gloss: 0.15, rotation: 0.1, brightening: 0.1, ..NOISE }
-);
 contract_tests!(ray_traced_filtered, RayTraced, "samples=64", Bounds { gloss: 0.8, rotation: 0.3, ..SHARES });
 
 /// Ringing of four bands under a sun: a blocker beside the sun may brighten its ray.
@@ -67,20 +61,8 @@ contract_tests!(
 );
 contract_tests!(sh_exp_quadratic, ShExp, "bounces=0,exp=quadratic,normals=16,own-directions=16", RINGING);
 contract_tests!(sh_exp_shares, ShExp, "bounces=0,exp=shares,normals=16,own-directions=16", RINGING);
-contract_tests!(
-    sh_exp_shares_one_point,
-    ShExp,
-    "bounces=0,exp=shares,points=1,bands=3,normals=16,own-directions=16",
-    RINGING
-);
 contract_tests!(sh_exp_optimal_linear, ShExp, "bounces=0,exp=optimal-linear,normals=16,own-directions=16", RINGING);
 contract_tests!(sh_exp_six_bands, ShExp, "bounces=0,exp=hybrid,bands=6,normals=16,own-directions=16", RINGING);
-contract_tests!(
-    sh_exp_clamped,
-    ShExp,
-    "bounces=0,exp=hybrid,clamp=on,rule=published,window=hann,normals=16,own-directions=16",
-    RINGING
-);
 contract_tests!(sh_exp_tree, ShExp, "bounces=0,levels=tree,normals=16,own-directions=16", RINGING);
 contract_tests!(sh_exp_reflections, ShExp, "", RINGING);
 contract_tests!(
@@ -89,7 +71,6 @@ contract_tests!(
     "own=spheres,sun=projected,ground=ignored,normals=16,own-directions=16",
     RINGING
 );
-contract_tests!(sh_exp_lamps_by_spheres, ShExp, "bounces=0,own=spheres,normals=16,own-directions=16", RINGING);
 contract_tests!(
     sh_exp_traced,
     ShExp,
