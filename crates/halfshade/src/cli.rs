@@ -1,25 +1,28 @@
 //! The arguments: a contract, extended but not broken.
 
+mod choices;
+mod comparison;
 mod count;
 mod files;
 mod global;
 mod shell;
 
+pub(crate) use choices::{DeviceArgument, ReceiverChoice};
+pub(crate) use comparison::{CompareArguments, TuneArguments};
 pub(crate) use files::{FileChoice, NewArguments, SchemaArguments};
 pub(crate) use global::GlobalArguments;
 pub(crate) use shell::{CompletionsArguments, ManArguments};
 
 use crate::revision::REVISION;
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use count::count;
-use halfshade_harness::{Device, part::ShardChoice, scene_source::MeshLight};
+use count::{count, sample_count};
+use halfshade_harness::{part::ShardChoice, scene_source::MeshLight};
 use halfshade_scene::{
     camera::{MAX_SIDE, check_resolution},
     light::ProbeOptions,
     spheres::MAX_SPHERES,
 };
-use halfshade_truth::MAX_SAMPLES;
-use std::{convert::Infallible, path::PathBuf, str::FromStr};
+use std::path::PathBuf;
 
 /// Compares real-time methods for soft shadows: error and time of every strategy against ray-traced truth.
 #[derive(Debug, Parser)]
@@ -109,94 +112,6 @@ pub struct MergeArguments {
     pub out: Option<PathBuf>,
 }
 
-/// Arguments of `compare`.
-#[derive(Debug, Args)]
-pub struct CompareArguments {
-    /// Scene files, built-in names, or mesh files (which stand on a ground plane).
-    #[arg(required = true, value_name = "SCENE")]
-    pub scenes: Vec<String>,
-    /// A strategy, as `name` or `name:key=value,key=value`; again for more [default: all, as they are by default].
-    #[arg(long, value_name = "SPEC")]
-    pub strategy: Vec<String>,
-    /// The strategy that the verdict compares all others with [default: what errs least].
-    #[arg(long, value_name = "SPEC")]
-    pub baseline: Option<String>,
-    /// Light of mesh files: `sky`, `constant`, or an image (.hdr, .exr) [default: sky].
-    #[arg(long, value_name = "LIGHT")]
-    pub env: Option<String>,
-    /// Frame of the animation.
-    #[arg(long, default_value_t = 0)]
-    pub frame: usize,
-    /// Hold the scenes still at that frame, for methods that need one that doesn't move.
-    #[arg(long)]
-    pub still: bool,
-    /// Score the pixels of the camera's picture, or the vertices.
-    #[arg(long, value_enum, default_value_t = ReceiverChoice::Pixels)]
-    pub receivers: ReceiverChoice,
-    /// Samples of the truth per receiver.
-    #[arg(long, default_value_t = 256, value_parser = sample_count)]
-    pub samples: usize,
-    /// Draw no pictures.
-    #[arg(long)]
-    pub no_pictures: bool,
-    /// Print the experiment file that would be run, and stop.
-    #[arg(long)]
-    pub print: bool,
-    /// Where results go [default: out/compare-SCENE].
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-    /// Fewer samples, three timed rounds: to see whether it works, not for publication.
-    #[arg(long)]
-    pub quick: bool,
-    /// Go on with a run that was interrupted.
-    #[arg(long)]
-    pub resume: bool,
-    /// Run on these devices: cpu, gpu, or a part of a graphics device's name [default: cpu].
-    #[arg(long, value_name = "DEVICE", value_delimiter = ',')]
-    pub device: Vec<DeviceArgument>,
-}
-
-/// Arguments of `tune`.
-#[derive(Debug, Args)]
-#[command(group = clap::ArgGroup::new("bound").required(true).multiple(true).args(["max_error", "frame_ms"]))]
-pub struct TuneArguments {
-    /// A scene file, a built-in name, or a mesh file (which stands on a ground plane).
-    pub scene: String,
-    /// Largest relative RMSE, such as 0.03: the fastest within it is searched.
-    #[arg(long, value_name = "ERROR", value_parser = positive, allow_negative_numbers = true)]
-    pub max_error: Option<f64>,
-    /// Longest frame in milliseconds; without --max-error the most exact within it is searched.
-    #[arg(long, value_name = "MS", value_parser = positive, allow_negative_numbers = true)]
-    pub frame_ms: Option<f64>,
-    /// Search these strategies only.
-    #[arg(long, value_name = "NAME", value_delimiter = ',')]
-    pub only: Vec<String>,
-    /// Most memory of baked data in MiB.
-    #[arg(long, value_name = "MIB", value_parser = positive, allow_negative_numbers = true)]
-    pub memory_mb: Option<f64>,
-    /// Light of a mesh file: `sky`, `constant`, or an image (.hdr, .exr) [default: sky].
-    #[arg(long, value_name = "LIGHT")]
-    pub env: Option<String>,
-    /// Frame of the animation.
-    #[arg(long, default_value_t = 0)]
-    pub frame: usize,
-    /// Hold the scene still at that frame, for methods that need one that doesn't move.
-    #[arg(long)]
-    pub still: bool,
-    /// Score the pixels of the camera's picture, or the vertices.
-    #[arg(long, value_enum, default_value_t = ReceiverChoice::Pixels)]
-    pub receivers: ReceiverChoice,
-    /// Samples of the truth per receiver.
-    #[arg(long, default_value_t = 256, value_parser = sample_count)]
-    pub samples: usize,
-    /// Where results go [default: out/tune-SCENE].
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-    /// Run on these devices: cpu, gpu, or a part of a graphics device's name [default: cpu].
-    #[arg(long, value_name = "DEVICE", value_delimiter = ',')]
-    pub device: Vec<DeviceArgument>,
-}
-
 /// A scene, and light for it where it is a mesh.
 #[derive(Debug, Args)]
 pub struct SceneArguments {
@@ -270,56 +185,6 @@ pub struct RenderArguments {
     /// The picture, .exr or .png [default: SCENE.exr].
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
-}
-
-/// A device, as users name it.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum DeviceArgument {
-    /// The processor.
-    Cpu,
-    /// The graphics device that `--gpu` chooses.
-    Gpu,
-    /// The graphics device of this name.
-    Named(String),
-}
-
-impl DeviceArgument {
-    /// Its kind.
-    pub fn device(&self) -> Device {
-        match self {
-            Self::Cpu => Device::Cpu,
-            Self::Gpu | Self::Named(_) => Device::Gpu,
-        }
-    }
-
-    /// The name of a graphics device.
-    pub fn name(&self) -> Option<&str> {
-        match self {
-            Self::Named(name) => Some(name),
-            Self::Cpu | Self::Gpu => None,
-        }
-    }
-}
-
-impl FromStr for DeviceArgument {
-    type Err = Infallible;
-
-    fn from_str(text: &str) -> Result<Self, Infallible> {
-        Ok(match text {
-            "cpu" => Self::Cpu,
-            "gpu" => Self::Gpu,
-            name => Self::Named(name.to_owned()),
-        })
-    }
-}
-
-/// Which points are shaded.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum ReceiverChoice {
-    /// One point per pixel.
-    Pixels,
-    /// Every vertex.
-    Vertices,
 }
 
 /// Arguments of `truth`.
@@ -459,10 +324,6 @@ fn resolution(text: &str) -> Result<[u32; 2], String> {
     check_resolution(size).map(|()| size)
 }
 
-fn sample_count(text: &str) -> Result<usize, String> {
-    count(text, MAX_SAMPLES)
-}
-
 fn sphere_count(text: &str) -> Result<usize, String> {
     count(text, MAX_SPHERES)
 }
@@ -472,11 +333,6 @@ fn stops(text: &str) -> Result<f32, String> {
     const LARGEST: f32 = 64.0;
     let stops = text.parse().ok().filter(|stops| (-LARGEST..=LARGEST).contains(stops));
     stops.ok_or_else(|| format!("expected a number from -{LARGEST} to {LARGEST}"))
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
-    number.ok_or_else(|| "expected a number above 0".into())
 }
 
 fn largest_radiance(text: &str) -> Result<f32, String> {
@@ -497,6 +353,7 @@ fn color(text: &str) -> Result<[f32; 3], String> {
 #[cfg(test)]
 mod tests {
     use super::{count::thread_count, *};
+    use halfshade_truth::MAX_SAMPLES;
 
     #[test]
     fn the_arguments_are_consistent() {

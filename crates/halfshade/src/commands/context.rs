@@ -61,6 +61,12 @@ impl Context {
         }
     }
 
+    /// Strategies as they are `named`; all of them, as they are by default, if none is.
+    pub(super) fn named_or_all(&self, named: &[String]) -> Vec<String> {
+        let all = || self.strategies.iter().map(|strategy| strategy.info().name.to_owned()).collect();
+        if named.is_empty() { all() } else { named.to_vec() }
+    }
+
     /// The graphics device of that name, or the one that the user wants.
     pub(super) fn graphics(&self, name: Option<&str>) -> Result<GraphicsDevice, Failure> {
         let of_variable = || std::env::var("HALFSHADE_GPU").unwrap_or_default().parse().unwrap_or_default();

@@ -2,12 +2,12 @@
 
 use super::context::Context;
 use crate::{
-    cli::{DeviceArgument, ReceiverChoice, TuneArguments},
+    cli::{DeviceArgument, TuneArguments},
     failure::Failure,
     terminal,
 };
 use halfshade_harness::{
-    Device, ReceiverKind,
+    Device,
     experiment::Comparison,
     report::{Format, summary},
     run::RunOptions,
@@ -20,32 +20,19 @@ use std::{path::PathBuf, process::ExitCode};
 const MIB: f64 = 1_048_576.0;
 
 pub(super) fn tune(context: &Context, arguments: &TuneArguments) -> Result<ExitCode, Failure> {
-    let all = || context.strategies.iter().map(|strategy| strategy.info().name.to_owned()).collect();
-    let strategies: Vec<String> = if arguments.only.is_empty() { all() } else { arguments.only.clone() };
-    let comparison = Comparison {
-        purpose: "tune",
-        scenes: vec![arguments.scene.clone()],
-        environment: arguments.env.clone(),
-        strategies,
-        baseline: None,
-        frame: arguments.frame,
-        still: arguments.still,
-        receivers: match arguments.receivers {
-            ReceiverChoice::Pixels => ReceiverKind::Pixels,
-            ReceiverChoice::Vertices => ReceiverKind::Vertices,
-        },
-        samples: arguments.samples,
-        pictures: false,
-    };
+    let strategies = context.named_or_all(&arguments.only);
+    let settings = &arguments.settings;
+    let comparison = settings.comparison("tune", vec![arguments.scene.clone()], strategies);
+    let comparison = Comparison { pictures: false, ..comparison };
     let bounds = Bounds {
         error: arguments.max_error,
         frame_secs: arguments.frame_ms.map(|ms| 1e-3 * ms),
         bytes: arguments.memory_mb.map(|mib| MIB * mib),
     };
     let out = arguments.out.clone().unwrap_or_else(|| PathBuf::from("out").join(comparison.name()));
-    let named: Vec<Device> = arguments.device.iter().map(DeviceArgument::device).collect();
+    let named: Vec<Device> = settings.device.iter().map(DeviceArgument::device).collect();
     let devices = if named.is_empty() { vec![Device::Cpu] } else { named };
-    let graphics = context.graphics_for(&devices, arguments.device.iter().find_map(DeviceArgument::name))?;
+    let graphics = context.graphics_for(&devices, settings.device.iter().find_map(DeviceArgument::name))?;
     let options = RunOptions {
         devices: Some(devices),
         threads: context.threads,
