@@ -2,7 +2,7 @@
 
 use super::words::{bounds, choices, expected, range};
 use crate::text::unknown;
-use serde_json::Value;
+use serde_json::{Map, Value};
 use std::ops::Range;
 use toml::{
     Spanned,
@@ -26,7 +26,9 @@ pub(super) fn first_mistake(schema: &Value, document: &Spanned<DeTable<'_>>) -> 
 
 /// Checks every key of a table, which errors call `name`.
 fn check_table(schema: &Value, name: &str, span: Range<usize>, table: &DeTable<'_>, found: &mut Vec<Mistake>) {
-    let Some(properties) = schema["properties"].as_object() else { return };
+    // A table of any keys may name none.
+    let none = Map::new();
+    let properties = schema["properties"].as_object().unwrap_or(&none);
     let mut has_unknown = false;
     for (key, value) in table {
         match (properties.get(key.get_ref().as_ref()), &schema["additionalProperties"]) {

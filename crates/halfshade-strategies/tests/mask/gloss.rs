@@ -102,7 +102,7 @@ fn built_in_scenes_shine() {
         let all = ReceiverBuffer::vertices(&frame);
         let is_glossy = |object: u32| scene.objects[object as usize].material.reflectance.is_glossy();
         let glossy: Vec<u32> = (0..all.len() as u32).filter(|&i| is_glossy(all.view().object[i as usize])).collect();
-        let some: Vec<u32> = glossy.iter().copied().step_by(glossy.len().div_ceil(200)).collect();
+        let some: Vec<u32> = glossy.iter().copied().step_by(glossy.len().div_ceil(400)).collect();
         let errors = |scene: &Scene| {
             let frame = scene.frame(number);
             errors(scene, &frame, &ReceiverBuffer::gathered(ReceiverBuffer::vertices(&frame).view(), &some))
