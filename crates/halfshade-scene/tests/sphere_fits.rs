@@ -63,11 +63,11 @@ fn any_mesh_count_scale_and_place() {
     line.positions[2] = 2.0 * Vec3::X;
     let plane = builtin::shape("plane").unwrap();
     for (name, mesh, counts) in [
-        ("open", &open, [1, 9]),
-        ("flipped", &flipped, [1, 9]),
-        ("triangle", &triangle, [1, 30]),
-        ("line", &line, [1, 5]),
-        ("plane", &plane, [1, 9]),
+        ("open", &open, vec![9]),
+        ("flipped", &flipped, vec![6]),
+        ("triangle", &triangle, vec![1, 30]),
+        ("line", &line, vec![5]),
+        ("plane", &plane, vec![9]),
     ] {
         for count in counts {
             let set = built(mesh, count, SphereFit::Shadow);
@@ -83,11 +83,11 @@ fn any_mesh_count_scale_and_place() {
             );
         }
     }
-    let unit = sphere_errors(&torus, &built(&torus, 8, SphereFit::Shadow).spheres, RAYS);
+    let unit = sphere_errors(&torus, &built(&torus, 5, SphereFit::Shadow).spheres, RAYS);
     for (scale, place) in [(1e-12, Vec3::ZERO), (1e12, Vec3::ZERO), (1.0, Vec3::new(500.0, -300.0, 0.0))] {
         let mut moved = torus.clone();
         moved.positions.iter_mut().for_each(|p| *p = scale * *p + place);
-        let errors = sphere_errors(&moved, &built(&moved, 8, SphereFit::Shadow).spheres, RAYS);
+        let errors = sphere_errors(&moved, &built(&moved, 5, SphereFit::Shadow).spheres, RAYS);
         assert!(errors.sky < 1.5 * unit.sky && errors.own < 1.5 * unit.own, "{scale}: {errors:?} {unit:?}");
     }
 }

@@ -6,7 +6,7 @@
 //! Settings of strategies are drawn from the ranges that they declare. `properties.rs` says what is checked,
 //! `tolerances.rs` how closely, and why.
 //!
-//! By default so many scenes are drawn that it takes a minute on two cores. For hours of it, and to look at one again:
+//! By default so many scenes are drawn that it takes about a minute on two cores. For hours of it, and to look at one again:
 //!
 //! ```text
 //! HALFSHADE_EXTREMES_SCENES=20000 cargo test -p halfshade-tests --test extremes
@@ -42,8 +42,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// A minute on two cores.
-const SCENES: u64 = 60;
+/// About a minute on two cores.
+const SCENES: u64 = 40;
 
 /// Value of an environment variable, if it is a number.
 fn asked(variable: &str) -> Option<u64> {

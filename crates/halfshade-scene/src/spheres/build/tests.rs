@@ -113,10 +113,10 @@ fn bad_meshes_are_bounded_too() {
     two.triangles.extend(sound.triangles.iter().map(|t| t.map(|k| k + sound.positions.len() as u32)));
     two.positions.extend(sound.positions.iter().map(|p| 0.7 * *p + Vec3::new(3.0, 0.2, 0.1)));
     for mesh in [&flipped, &open, &split, &two] {
-        let set = build(mesh, 10);
+        let set = build(mesh, 6);
         assert_bounds(mesh, &set);
         assert_eq!(set.notes.is_empty(), !std::ptr::eq(mesh, &open), "{:?}", set.notes);
-        // Ten for two tori are few; one sphere around a torus would be 5.
+        // Six for two tori are few; one sphere around a torus would be 5.
         assert!(set.outside_volume_fraction < 4.0, "{}", set.outside_volume_fraction);
     }
     // Nothing inside: a shell, and said so.
