@@ -1,5 +1,6 @@
 //! Errors around a measurement, in words a user can act on.
 
+use crate::ReceiverKind;
 use halfshade_scene::{SceneError, error::place, text::Excerpt};
 use std::{
     ops::Range,
@@ -41,6 +42,11 @@ impl HarnessError {
     /// A mistake that concerns no file.
     pub fn input(problem: impl Into<String>) -> Self {
         Self::Input { path: None, line: None, excerpt: None, problem: problem.into() }
+    }
+
+    /// A view of a scene in which there is nothing that errors could be of.
+    pub(crate) fn nothing_to_score(scene: &str, frame: usize, kind: ReceiverKind) -> Self {
+        Self::input(format!("scene `{scene}`, frame {frame}: no {kind} to score; does the camera see anything?"))
     }
 
     /// A mistake in the file `path`.

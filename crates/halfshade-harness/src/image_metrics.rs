@@ -16,27 +16,33 @@ pub struct Similarity {
     pub ssim: Option<f64>,
 }
 
+/// FLIP's error of each pixel in the colours of its authors, `magma`: black is none, light yellow 1.
+pub type FlipMap = image::RgbImage;
+
 impl Similarity {
-    /// Compares two pictures shown with the same exposure. Those of different sizes compare to nothing.
-    pub fn between(picture: &Picture, truth: &Picture, exposure: f32) -> Self {
+    /// Compares two pictures shown with the same exposure; with the feature `flip`, a map of it goes with them. Those of
+    /// different sizes compare to nothing.
+    pub fn between(picture: &Picture, truth: &Picture, exposure: f32) -> (Self, Option<FlipMap>) {
         let (shown, expected) = (picture.to_srgb(exposure), truth.to_srgb(exposure));
         if shown.dimensions() != expected.dimensions() {
-            return Self::default();
+            return Default::default();
         }
-        let ssim = structural_similarity(&shown, &expected);
-        Self { flip: flip(&shown, &expected), ssim }
+        let (flip, map) = flip(&shown, &expected).unzip();
+        (Self { flip, ssim: structural_similarity(&shown, &expected) }, map)
     }
 }
 
 #[cfg(feature = "flip")]
-fn flip(shown: &image::RgbImage, expected: &image::RgbImage) -> Option<f64> {
-    let [shown, expected] =
-        [shown, expected].map(|picture| nv_flip::FlipImageRgb8::with_data(picture.width(), picture.height(), picture));
+fn flip(shown: &image::RgbImage, expected: &image::RgbImage) -> Option<(f64, FlipMap)> {
+    let (width, height) = shown.dimensions();
+    let [shown, expected] = [shown, expected].map(|picture| nv_flip::FlipImageRgb8::with_data(width, height, picture));
     let errors = nv_flip::flip(expected, shown, nv_flip::DEFAULT_PIXELS_PER_DEGREE);
-    Some(f64::from(nv_flip::FlipPool::from_image(&errors).mean())).filter(|mean| mean.is_finite())
+    let mean = f64::from(nv_flip::FlipPool::from_image(&errors).mean());
+    let map = FlipMap::from_raw(width, height, errors.apply_color_lut(&nv_flip::magma_lut()).to_vec())?;
+    mean.is_finite().then_some((mean, map))
 }
 
 #[cfg(not(feature = "flip"))]
-fn flip(_: &image::RgbImage, _: &image::RgbImage) -> Option<f64> {
+fn flip(_: &image::RgbImage, _: &image::RgbImage) -> Option<(f64, FlipMap)> {
     None
 }

@@ -367,6 +367,7 @@ mod tests {
                 exr: "a.exr".into(),
                 png: "a.png".into(),
                 error_png: None,
+                flip_png: None,
                 exposure,
             },
             similarity: Similarity::default(),

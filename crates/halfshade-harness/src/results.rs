@@ -321,6 +321,9 @@ pub struct PictureFiles {
     pub png: String,
     /// The signed error in colours; absent for the truth.
     pub error_png: Option<String>,
+    /// FLIP's error of each pixel in colours; from builds with the feature `flip`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub flip_png: Option<String>,
     /// Factor by which the PNG was multiplied.
     pub exposure: f32,
 }
@@ -328,7 +331,7 @@ pub struct PictureFiles {
 impl PictureFiles {
     /// Its files.
     pub fn all(&self) -> impl Iterator<Item = &str> {
-        [&self.exr, &self.png].into_iter().chain(&self.error_png).map(String::as_str)
+        [&self.exr, &self.png].into_iter().chain(&self.error_png).chain(&self.flip_png).map(String::as_str)
     }
 }
 

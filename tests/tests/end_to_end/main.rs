@@ -1,6 +1,7 @@
 //! The command from end to end, as one program: linking is slow, and its tests needn't wait for each other.
 
 mod bad_input;
+mod browser;
 mod command_line;
 mod common;
 mod exchange;

@@ -27,38 +27,32 @@ use std::{
 };
 
 /// Settings of `sh-exp` that are only compared with the CPU, which is held to the contract.
-const SH_EXP_BESIDE: [&str; 18] = [
+const SH_EXP_BESIDE: [&str; 14] = [
     "bounces=0,exp=shares,points=5,normals=16,own-directions=16",
     "as-published",
     "bounces=0,levels=tree,rule=covering,normals=16,own-directions=16",
     "own=spheres,sun=projected,ground=ignored,normals=16,own-directions=16",
-    "bounces=0,exp=hybrid,normals=16,own-directions=16",
     "bounces=0,exp=hybrid,bands=6,normals=16,own-directions=16",
     "bounces=0,exp=hybrid,clamp=on,rule=published,window=hann,squaring=published,normals=16,own-directions=16",
     "bounces=0,exp=product,normals=16,own-directions=16",
     "bounces=0,exp=quadratic,bands=3,normals=16,own-directions=16",
-    "bounces=0,exp=series,normals=16,own-directions=16",
+    "bounces=0,exp=series,clamp=on,normals=16,own-directions=16",
     "bounces=0,exp=optimal-linear,bands=2,normals=16,own-directions=16",
     "bounces=0,exp=product,overlap=shared,normals=16,own-directions=16",
     "intersections=precomputed,order=power,clamp=on,normals=16,own-directions=16",
-    "walk=quadratic,reflection-exp=series,bands=3,normals=16,own-directions=16",
+    "walk=quadratic,reflection-exp=series,bands=3,ground=ignored,normals=16,own-directions=16",
     "exp=product,reflection-exp=optimal-linear,levels=cluster,normals=16,own-directions=16",
-    "ground=ignored,normals=16,own-directions=16",
-    "bounces=0,clamp=on,normals=16,own-directions=16",
-    "bounces=0,own=spheres,ground=ignored,bands=6,normals=16,own-directions=16",
 ];
 
 /// Settings of `ray-traced` that are compared with the CPU: by light and by cosine alone, and more samples than one dispatch
 /// takes.
-const RAYS: [&str; 10] = [
-    "samples=70",
+const RAYS: [&str; 8] = [
     "plain,samples=64",
     "plain,samples=16,sampling=light",
     "plain,samples=16,sampling=cosine",
-    "plain,samples=20",
     "unfiltered,samples=20,sampling=mis",
     "unfiltered,samples=1",
-    "unfiltered,samples=100",
+    "unfiltered,samples=70",
     "unfiltered,samples=5,estimator=plain",
     "",
 ];

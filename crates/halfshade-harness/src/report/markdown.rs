@@ -27,12 +27,14 @@ fn pictures(pictures: &[Picture]) -> String {
     if pictures.is_empty() {
         return String::new();
     }
-    let mut text =
-        String::from("| strategy | picture | error (blue: too dark, vermilion: too bright) |\n| --- | --- | --- |\n");
+    let mut text = String::from("| strategy | picture | error (blue: too dark, vermilion: too bright) |");
+    let has_flip = pictures.iter().any(|picture| picture.files.flip_png.is_some());
+    text += if has_flip { " FLIP (black: none) |\n| --- | --- | --- | --- |\n" } else { "\n| --- | --- | --- |\n" };
     for Picture { files, error: told } in pictures {
         let error = files.error_png.as_ref().map(|path| format!("![error]({path})")).unwrap_or_default();
+        let flip = files.flip_png.as_ref().map(|path| format!(" ![FLIP]({path}) |")).unwrap_or_default();
         let told = told.as_ref().map(|told| format!("<br>{}", escape(told))).unwrap_or_default();
-        text += &format!("| {0}{told} | ![{0}]({1}) | {error} |\n", escape(&files.label), files.png);
+        text += &format!("| {0}{told} | ![{0}]({1}) | {error} |{flip}\n", escape(&files.label), files.png);
     }
     text + &format!(
         "\nFull colour is an error of {FULL_SCALE} of the mean unshadowed radiance. The EXR files beside the pictures hold the \

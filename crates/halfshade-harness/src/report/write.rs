@@ -71,6 +71,7 @@ mod tests {
             exr: "a.exr".into(),
             png: "a.png".into(),
             error_png: None,
+            flip_png: None,
             exposure: 1.0,
         }];
         let markdown = report(&results, Format::Markdown, &|_| None);

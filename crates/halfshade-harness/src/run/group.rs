@@ -75,9 +75,7 @@ impl<'a> Group<'a> {
         };
         drop(tracer);
         if receivers.is_empty() {
-            let problem =
-                format!("scene `{}`, frame {index}: no {kind} to score; does the camera see anything?", scene.name);
-            return Err(HarnessError::input(problem));
+            return Err(HarnessError::nothing_to_score(&scene.name, index, kind));
         }
         let references = References::trace(setup, &frame, kind, &receivers)?;
         let view = projection.map(|projection| {

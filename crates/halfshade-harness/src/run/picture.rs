@@ -8,7 +8,7 @@ use super::{
 use crate::{
     HarnessError, Picture, Reference, file_names,
     image_io::{Origin, exr_bytes, png_bytes},
-    image_metrics::Similarity,
+    image_metrics::{FlipMap, Similarity},
     picture_colors::signed_error,
     results::PictureFiles,
 };
@@ -21,7 +21,7 @@ pub(super) fn picture_truth(group: &Group<'_>, view: &View, record: &mut Record)
         return Ok(());
     }
     let picture = view.picture(&group.references.mesh.reference.radiance);
-    let files = write(group, view, TRUTH_LABEL, &picture, None, record)?;
+    let files = write(group, view, TRUTH_LABEL, &picture, None, None, record)?;
     record.add_truth_picture(files)
 }
 
@@ -35,8 +35,8 @@ pub(super) fn picture_variant(
 ) -> Result<(), HarnessError> {
     let (row, reference) = (&group.rows[place], &group.references.mesh.reference);
     let (picture, truth) = (view.picture(radiance), view.picture(&reference.radiance));
-    let similarity = Similarity::between(&picture, &truth, view.exposure);
-    let files = write(group, view, &row.blank.label, &picture, Some((&truth, reference)), record)?;
+    let (similarity, flip) = Similarity::between(&picture, &truth, view.exposure);
+    let files = write(group, view, &row.blank.label, &picture, Some((&truth, reference)), flip, record)?;
     record.add_picture(&row.key, files, similarity)
 }
 
@@ -54,17 +54,18 @@ pub(super) fn picture_difference(
     record: &mut Record,
 ) -> Result<(), HarnessError> {
     let picture = view.picture(first).magnified_difference(&view.picture(second), DIFFERENCE_FACTOR);
-    let files = write(group, view, label, &picture, None, record)?;
+    let files = write(group, view, label, &picture, None, None, record)?;
     record.add_picture(&difference_key(group), files, Similarity::default())
 }
 
-/// Writes a picture, with its error if there is a truth to compare it with.
+/// Writes a picture, with its error if there is a truth to compare it with, and with its map of FLIP.
 fn write(
     group: &Group<'_>,
     view: &View,
     label: &str,
     picture: &Picture,
     truth: Option<(&Picture, &Reference)>,
+    flip: Option<FlipMap>,
     record: &mut Record,
 ) -> Result<PictureFiles, HarnessError> {
     let (scene, frame) = (&group.frame.scene.name, group.frame.index);
@@ -94,6 +95,7 @@ fn write(
             }
             None => None,
         },
+        flip_png: flip.map(|map| write(".flip.png", png_bytes(&map))).transpose()?,
         exposure: view.exposure,
     })
 }

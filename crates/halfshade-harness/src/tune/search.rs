@@ -80,9 +80,7 @@ impl Search<'_> {
         let frame = scene.frame(index);
         let (receivers, weights) = receivers(&frame, kind, scene);
         if receivers.is_empty() {
-            let problem =
-                format!("scene `{}`, frame {index}: no {kind} to score; does the camera see anything?", scene.name);
-            return Err(HarnessError::input(problem));
+            return Err(HarnessError::nothing_to_score(&scene.name, index, kind));
         }
         let places = spread(receivers.len());
         let sampled = ReceiverBuffer::gathered(receivers.view(), &places);

@@ -81,11 +81,14 @@ fn figure(picture: &Picture, read: &Read<'_>) -> String {
         source.map(|source| format!("<img class=\"{class}\" loading=\"lazy\" src=\"{source}\" alt=\"{alt}\">"))
     };
     let shown = image(&picture.files.png, "picture", &label).unwrap_or_default();
-    let error = picture.files.error_png.as_ref();
-    let error = error.and_then(|path| image(path, "error", &format!("error of {label}"))).unwrap_or_default();
+    let map = |path: &Option<String>, class: &str, name: &str| {
+        path.as_ref().and_then(|path| image(path, class, &format!("{name} of {label}"))).unwrap_or_default()
+    };
+    let error = map(&picture.files.error_png, "error", "error");
+    let flip = map(&picture.files.flip_png, "flip", "FLIP");
     let caption = picture.error.as_ref().map(|error| format!("{label}: {}", escape(error)));
     format!(
-        "<figure data-label=\"{label}\">{shown}{error}<figcaption>{}</figcaption></figure>\n",
+        "<figure data-label=\"{label}\">{shown}{error}{flip}<figcaption>{}</figcaption></figure>\n",
         caption.as_ref().unwrap_or(&label)
     )
 }

@@ -57,6 +57,7 @@ function viewer(gallery) {
       <label><input type="radio" name="mode${number}" value="slider" checked> slider</label>
       <label><input type="radio" name="mode${number}" value="flip"> flip (space)</label>
       <label><input type="radio" name="mode${number}" value="error"> error of the left</label>
+      <label class="flip"><input type="radio" name="mode${number}" value="map"> FLIP of the left</label>
       <label>exposure <input type="range" class="stops" min="-6" max="6" step="0.25" value="0"> <span class="told">0 stops</span></label>
       <button type="button" class="closer" aria-label="zoom in">+</button>
       <button type="button" class="farther" aria-label="zoom out">−</button>
@@ -67,8 +68,10 @@ function viewer(gallery) {
     </div>
     <output></output>
     <div class="bar"><span>error: too dark −25 %</span><span class="scale"></span><span>+25 % too bright, of the mean unshadowed radiance</span></div>
+    <div class="bar flip"><span>FLIP: 0</span><span class="magma"></span><span>1</span></div>
     <svg width="0" height="0" aria-hidden="true"><filter id="exposure${number}" color-interpolation-filters="linearRGB"><feComponentTransfer><feFuncR type="linear"/><feFuncG type="linear"/><feFuncB type="linear"/></feComponentTransfer></filter></svg>`;
   gallery.before(box);
+  if (!gallery.querySelector("img.flip")) box.querySelectorAll(".flip").forEach(part => part.remove());
   const find = selector => box.querySelector(selector);
   const [first, second, stage, output, stops] = [".first", ".second", ".stage", "output", ".stops"].map(find);
   const [under, over] = [find(".under img"), find(".over img")];
@@ -79,10 +82,10 @@ function viewer(gallery) {
   const state = { split: 0.5, scale: 1, x: 0, y: 0, shown: false };
   const mode = () => find(`input[name=mode${number}]:checked`).value;
   const picture = select => figures[select.value].querySelector("img.picture");
-  const error = () => figures[first.value].querySelector("img.error");
+  const map = () => ({ error: "img.error", map: "img.flip" })[mode()];
 
   const draw = () => {
-    const top = mode() === "error" ? error() ?? picture(first) : picture(first);
+    const top = (map() && figures[first.value].querySelector(map())) ?? picture(first);
     over.src = top.src;
     under.src = picture(second).src;
     const natural = picture(second);
@@ -94,7 +97,7 @@ function viewer(gallery) {
     for (const part of box.querySelectorAll("filter *")) part.setAttribute("slope", slope);
     const filter = Number(stops.value) === 0 ? "" : `url(#exposure${number})`;
     under.style.filter = filter;
-    over.style.filter = mode() === "error" ? "" : filter;
+    over.style.filter = map() ? "" : filter;
     find(".told").textContent = `${stops.value} stops`;
     const sliding = mode() === "slider";
     find(".divider").hidden = !sliding;

@@ -79,8 +79,8 @@ mod tests {
         for (scattering, eta) in [(40.0_f32, 1.5_f32), (1.0, 1.3), (0.0, 1.0), (3e4, 2.0)] {
             let medium = Subsurface { absorption, reduced_scattering: Vec3::splat(scattering), refractive_index: eta };
             for (channel, dipole) in Dipole::of(&medium).into_iter().enumerate() {
-                let alpha = f64::from(scattering) / f64::from(scattering + absorption[channel]);
-                let eta = f64::from(eta);
+                let [scattering, eta, absorption] = [scattering, eta, absorption[channel]].map(f64::from);
+                let alpha = scattering / (scattering + absorption);
                 let inner = -1.440 / (eta * eta) + 0.710 / eta + 0.668 + 0.0636 * eta;
                 let (a, root) = ((1.0 + inner) / (1.0 - inner), (3.0 * (1.0 - alpha)).sqrt());
                 let exact = alpha / 2.0 * (1.0 + (-4.0 / 3.0 * a * root).exp()) * (-root).exp();
