@@ -1,12 +1,12 @@
 "use strict";
 
-// Uses the page as people do, by mouse and keyboard, and leaves what didn't work as text in an element `#faults`.
+// Uses the page as people do, by mouse and keyboard, and tells the page around it what didn't work.
 addEventListener("load", async () => {
   const faults = [];
   const hold = (condition, what) => condition || faults.push(what);
   const all = (selector, within = document) => [...within.querySelectorAll(selector)];
   const settled = () => new Promise(done => setTimeout(done, 50));
-  await Promise.all(all("img").map(image => ((image.loading = "eager"), image.decode().catch(() => faults.push(`no picture: ${image.alt}`)))));
+  await Promise.all(all("figure img").map(image => ((image.loading = "eager"), image.decode().catch(() => faults.push(`no picture: ${image.alt}`)))));
   await settled();
 
   // Nothing is wider than the window but what scrolls by itself.
@@ -33,8 +33,8 @@ addEventListener("load", async () => {
   // What can be seen can be read aloud, too.
   for (const image of all("figure img")) hold(image.alt !== "", "a picture without a name");
   for (const control of all("button, select, input")) hold(control.textContent.trim() || control.ariaLabel || control.labels?.length, `${control.tagName} without a name`);
-  for (const plot of all(".plot svg")) hold(plot.getAttribute("role") === "img" && (plot.ariaLabel || plot.querySelector("title")), "a plot without a name");
-  for (const point of all(".plot circle")) hold(point.querySelector("title")?.textContent, "a point that doesn't tell its values");
+  for (const plot of all(".plot svg")) hold(plot.getAttribute("role") === "group" && plot.ariaLabel, "a plot without a name");
+  for (const point of all(".plot circle[tabindex]")) hold(point.querySelector("title")?.textContent, "a point that doesn't tell its values");
 
   // Text stands out from its ground: 4.5 : 1.
   const luminance = color => {
@@ -90,8 +90,6 @@ addEventListener("load", async () => {
     hold(/pixel \d+, \d+: .*difference/.test(find("output").textContent), `told under the pointer: ${find("output").textContent}`);
   }
 
-  const told = document.createElement("pre");
-  told.id = "faults";
-  told.textContent = `${faults.join("\n")}\n${all("table").length} tables, ${all(".plot svg").length} plots, ${all(".viewer").length} viewers`;
-  document.body.append(told);
+  const counts = `${width} wide, ${all("table").length} tables, ${all(".plot svg").length} plots, ${all(".viewer").length} viewers`;
+  parent.postMessage([...faults, counts].join("\n"), "*");
 });

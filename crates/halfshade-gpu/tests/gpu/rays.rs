@@ -16,12 +16,8 @@ use libtest_mimic::Failed;
 use std::sync::Arc;
 
 /// Settings by which glossy receivers are shaded: by reflectance and light together, in more than one dispatch, and by either.
-pub(super) const GLOSS: [&str; 4] = [
-    "plain,samples=16,sampling=cosine",
-    "plain,samples=16,sampling=light",
-    "unfiltered,samples=70",
-    "",
-];
+pub(super) const GLOSS: [&str; 4] =
+    ["plain,samples=16,sampling=cosine", "plain,samples=16,sampling=light", "unfiltered,samples=70", ""];
 
 /// Every model of reflectance and a sharp lobe, at vertices and between them.
 pub(super) fn shades_gloss(strategies: [&dyn Strategy; 2], settings: &str) -> Result<(), Failed> {

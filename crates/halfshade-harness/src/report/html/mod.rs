@@ -63,7 +63,8 @@ fn block(block: &Block, parts: usize, read: &Read<'_>) -> String {
         // One that cannot be drawn is told where plots are written as files.
         Block::Plot(plot) => {
             let svg = plot.svg_without_font().unwrap_or_default();
-            format!("<div class=\"plot\">{svg}</div>\n")
+            let named = format!("<svg role=\"group\" aria-label=\"{}\" ", escape(&plot.title));
+            format!("<div class=\"plot\">{}</div>\n", svg.replacen("<svg ", &named, 1))
         }
         Block::Pictures(pictures) if pictures.is_empty() => String::new(),
         Block::Pictures(pictures) => {

@@ -16,7 +16,8 @@
 //!
 //! Limits: G has the bands of visibility, so that a contact shadow is as soft as the last band. An object without spheres
 //! doesn't see itself or its like, which is right for a plane; of such an object that deforms the mesh at rest is seen. A
-//! sun below the ground still shines on objects.
+//! sun below the ground still shines on objects. A plane that cuts through an object lies above some of the places and below others:
+//! beyond them the affine function changes its sign, and what should take light away adds some (`extreme-enclosing`).
 
 use crate::{
     sh_exp::{
