@@ -69,9 +69,14 @@ impl Traced {
 
     /// The truth as 64 samples and a seed show it.
     pub(crate) fn reference(&self, seed: u64) -> Reference {
+        self.sampled(64, seed)
+    }
+
+    /// The same of as many samples as are asked for.
+    fn sampled(&self, samples: usize, seed: u64) -> Reference {
         let frame: Frame<'_> = self.scene.frame(0);
         let tracer = Tracer::new(&frame);
-        let options = Options { samples: 64, seed, ..Options::default() };
+        let options = Options { samples, seed, ..Options::default() };
         let found = estimate(&tracer, self.receivers.view(), &options, &Silent);
         let unshadowed_mean = self.weights.mean(|i| f64::from(found.unshadowed[i]));
         Reference {
@@ -83,8 +88,15 @@ impl Traced {
         }
     }
 
-    /// The truth of the receivers at `places`, which may repeat, as 64 samples and a seed show it; and what each of `all` has there.
-    pub(crate) fn drawn(&self, seed: u64, places: &[u32], all: &[RadianceBuffer]) -> (Reference, Vec<RadianceBuffer>) {
+    /// The truth of the receivers at `places`, which may repeat, as so many samples and a seed show it; and what each of `all` has
+    /// there.
+    pub(crate) fn drawn(
+        &self,
+        samples: usize,
+        seed: u64,
+        places: &[u32],
+        all: &[RadianceBuffer],
+    ) -> (Reference, Vec<RadianceBuffer>) {
         let own = places.iter().map(|&place| self.weights.values()[place as usize]).collect();
         let weights = ReceiverWeights::of(Weighting::Area, own).expect("vertices with area");
         let part = Self {
@@ -102,7 +114,7 @@ impl Traced {
                 .each_ref()
                 .map(|values| places.iter().map(|&place| values[place as usize]).collect()),
         };
-        (Reference { draws: Vec::new(), ..part.reference(seed) }, all.iter().map(of).collect())
+        (Reference { draws: Vec::new(), ..part.sampled(samples, seed) }, all.iter().map(of).collect())
     }
 
     /// The truth without noise.

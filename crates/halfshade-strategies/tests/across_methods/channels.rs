@@ -171,7 +171,7 @@ fn reflections_of_spheres_see_every_colour() {
 #[test]
 fn published_and_clamped_reflections_see_every_colour() {
     let scenes = coloured();
-    for settings in ["intersections=precomputed,projection=product,walk=quadratic", "exp=shares", "clamp=on"] {
+    for settings in ["intersections=precomputed,projection=product,walk=quadratic", "exp=shares,clamp=on"] {
         every_channel_is_as_it_is_alone(
             &ShExp,
             &format!("bands=2,normals=4,own-directions=16,ground=seen,{settings}"),
