@@ -75,7 +75,8 @@ pub struct Experiment {
     #[serde(default = "vertices", deserialize_with = "fields::distinct")]
     pub receivers: Vec<ReceiverKind>,
     /// References that strategies are compared with: `mesh` is the truth; `spheres` has the sphere sets as blockers; `bands`
-    /// has light limited to as many bands as the strategy uses, `bands=4` to four. Differences between them take an error apart.
+    /// has light limited to as many bands as the strategy uses, `bands=4` to four, with spheres only where the strategy
+    /// reads them. Differences between them take an error apart.
     #[serde(default = "mesh_only", deserialize_with = "fields::distinct")]
     pub references: Vec<ReferenceKind>,
     /// Weights of vertices in errors.

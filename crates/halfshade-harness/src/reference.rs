@@ -66,17 +66,14 @@ impl ReferenceTracer<'_> {
         (weights, hiders): (Arc<ReceiverWeights>, Arc<[Hider]>),
     ) -> Result<(Reference, usize), HarnessError> {
         let limited;
-        let lit = match kind {
-            ReferenceKind::Bands(bands) => {
+        let lit = match kind.bands() {
+            Some(bands) => {
                 limited = Scene { environment: (self.band_limit)(&scene.environment, bands.get()), ..scene.clone() };
                 &limited
             }
-            _ => scene,
+            None => scene,
         };
-        let geometry = match kind {
-            ReferenceKind::Mesh => Geometry::Mesh,
-            _ => Geometry::Spheres(Default::default()),
-        };
+        let geometry = if kind.has_spheres() { Geometry::Spheres(Default::default()) } else { Geometry::Mesh };
         let options = Options {
             geometry,
             samples: self.accuracy.samples,

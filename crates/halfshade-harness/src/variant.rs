@@ -13,6 +13,8 @@ pub struct Variant {
     pub name: String,
     /// All parameters.
     pub params: Params,
+    /// Whether it reads sphere sets.
+    pub needs_spheres: bool,
     /// The device that it runs on.
     pub device: Device,
     /// Name, preset and the parameters that were set by hand: what users read.
@@ -38,7 +40,8 @@ impl Variant {
         });
         let set: Vec<String> = presets.map(str::to_owned).chain(set).collect();
         let label = if set.is_empty() { name.to_owned() } else { format!("{name}:{}", set.join(",")) };
-        Ok(Self { strategy, name: name.to_owned(), params, device: Device::Cpu, label })
+        let needs_spheres = strategies[strategy].needs_spheres();
+        Ok(Self { strategy, name: name.to_owned(), params, needs_spheres, device: Device::Cpu, label })
     }
 
     /// The same on another device.

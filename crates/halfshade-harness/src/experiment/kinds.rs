@@ -34,8 +34,25 @@ pub enum ReferenceKind {
     /// `bands=n`: sphere sets, and the environment limited to n bands of spherical harmonics.
     /// Strategies whose parameter `bands` has another value are left out.
     Bands(NonZeroUsize),
+    /// `mesh-bands=n`: the meshes under such an environment. What an experiment calls `bands` for strategies that read no spheres.
+    MeshBands(NonZeroUsize),
     /// `bands`: as above, n being the strategy's own parameter `bands`; strategies without it are left out.
     OwnBands,
+}
+
+impl ReferenceKind {
+    /// Bands of its light, if they are few.
+    pub fn bands(self) -> Option<NonZeroUsize> {
+        match self {
+            Self::Bands(bands) | Self::MeshBands(bands) => Some(bands),
+            Self::Mesh | Self::Spheres | Self::OwnBands => None,
+        }
+    }
+
+    /// Whether sphere sets block in place of meshes.
+    pub fn has_spheres(self) -> bool {
+        matches!(self, Self::Spheres | Self::Bands(_))
+    }
 }
 
 impl fmt::Display for ReferenceKind {
@@ -44,6 +61,7 @@ impl fmt::Display for ReferenceKind {
             Self::Mesh => f.write_str("mesh"),
             Self::Spheres => f.write_str("spheres"),
             Self::Bands(n) => write!(f, "bands={n}"),
+            Self::MeshBands(n) => write!(f, "mesh-bands={n}"),
             Self::OwnBands => f.write_str("bands"),
         }
     }

@@ -26,6 +26,7 @@ pub(super) fn error_split(results: &Results, group: &Group) -> Option<Table> {
         "mesh" => "against the mesh".to_owned(),
         "spheres" => "against its spheres".to_owned(),
         "bands" => "against its spheres and bands of light".to_owned(),
+        "mesh-bands" => "against the mesh and its bands of light".to_owned(),
         other => format!("against {other}"),
     };
     let columns = std::iter::once(Column::plain("strategy"))

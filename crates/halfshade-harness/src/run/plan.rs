@@ -167,7 +167,7 @@ impl Plan {
 
     /// Whether any strategy or reference reads sphere sets.
     pub fn needs_spheres(&self, strategies: &[Box<dyn Strategy>]) -> bool {
-        self.references.iter().any(|reference| *reference != ReferenceKind::Mesh)
+        self.other_references().iter().any(|kind| kind.has_spheres())
             || self.variants.iter().any(|variant| strategies[variant.strategy].needs_spheres())
     }
 
@@ -229,12 +229,11 @@ impl Plan {
         let mut kinds = Vec::new();
         for kind in &self.references[1..] {
             let concrete = match kind {
-                ReferenceKind::OwnBands => self
-                    .variants
-                    .iter()
-                    .filter_map(|v| NonZeroUsize::new(v.bands()?))
-                    .map(ReferenceKind::Bands)
-                    .collect(),
+                ReferenceKind::OwnBands => self.variants.iter().filter_map(own_bands).collect(),
+                ReferenceKind::Bands(_) => {
+                    let own = self.variants.iter().filter_map(own_bands);
+                    own.filter(|own| own.bands() == kind.bands()).collect()
+                }
                 other => vec![*other],
             };
             for kind in concrete {
@@ -248,9 +247,12 @@ impl Plan {
 
     /// Whether `variant` is compared with `kind`: with a number of bands only if it is its own.
     pub fn compares(&self, variant: &Variant, kind: ReferenceKind) -> bool {
-        match kind {
-            ReferenceKind::Bands(bands) => variant.bands() == Some(bands.get()),
-            _ => true,
-        }
+        kind.bands().is_none() || own_bands(variant) == Some(kind)
     }
+}
+
+/// The truth under light of as many bands as a variant has, with spheres if it knows of these alone.
+fn own_bands(variant: &Variant) -> Option<ReferenceKind> {
+    let bands = NonZeroUsize::new(variant.bands()?)?;
+    Some(if variant.needs_spheres { ReferenceKind::Bands(bands) } else { ReferenceKind::MeshBands(bands) })
 }
