@@ -30,7 +30,7 @@ addEventListener("load", async () => {
     });
   }
 
-  // What can be seen can be read aloud, too.
+  // Everything that is seen can be read aloud, too.
   for (const image of all("figure img")) hold(image.alt !== "", "a picture without a name");
   for (const control of all("button, select, input")) hold(control.textContent.trim() || control.ariaLabel || control.labels?.length, `${control.tagName} without a name`);
   for (const plot of all(".plot svg")) hold(plot.getAttribute("role") === "group" && plot.ariaLabel, "a plot without a name");

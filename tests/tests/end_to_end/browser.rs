@@ -20,7 +20,7 @@ fn chromium() -> Option<&'static str> {
     found
 }
 
-/// What the page `used.html` of a folder tells of itself where it is so wide, after `browser.js` has used it.
+/// The report of the page `used.html` of a folder on itself where it is so wide, after `browser.js` has used it.
 fn told(program: &str, here: &Path, width: u32, is_dark: bool) -> String {
     let profile = folder();
     // No window is as narrow as a phone.

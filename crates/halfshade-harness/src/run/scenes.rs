@@ -72,7 +72,7 @@ pub(super) fn scenes(experiment: &Experiment, quick: bool) -> Result<Loaded, Har
     let folder = experiment.path.parent().unwrap_or(Path::new("."));
     let mut scenes: Vec<PlannedScene> = Vec::new();
     let mut inputs = Vec::new();
-    // What several entries name is read once.
+    // A scene that several entries name is read once.
     let mut loaded: Vec<(Source, Scene)> = Vec::new();
     let swept = experiment.scenes.iter().map(|entry| entry.swept(experiment));
     for entry in swept.collect::<Result<Vec<_>, _>>()?.concat() {
