@@ -6,6 +6,7 @@
 //! those of no triangle count nothing. Pixels count alike, as do vertices with `weights = "equal"`, as in papers that
 //! average over vertices, and those of scenes without any area.
 
+use crate::ReceiverKind;
 use glam::DVec3;
 use halfshade_scene::{Frame, ReceiverBuffer};
 use schemars::JsonSchema;
@@ -43,6 +44,19 @@ impl ReceiverWeights {
     /// All alike: 1 each.
     pub fn equal(count: usize) -> Self {
         Self { weighting: Weighting::Equal, values: vec![1.0; count], total: count as f64 }
+    }
+
+    /// Those of receivers of a `kind` in `frame`, vertices by the rule `weighting`.
+    pub(crate) fn of_kind(
+        kind: ReceiverKind,
+        weighting: Weighting,
+        frame: &Frame<'_>,
+        receivers: &ReceiverBuffer,
+    ) -> Self {
+        match (kind, weighting) {
+            (ReceiverKind::Vertices, Weighting::Area) => Self::by_area(frame, receivers),
+            _ => Self::equal(receivers.len()),
+        }
     }
 
     /// Those of `vertices`, which are [`ReceiverBuffer::vertices`] of `frame`, by the area around them.

@@ -7,7 +7,8 @@ use std::ops::RangeInclusive;
 
 /// A translucent medium below the surface of an object, by the dipole's diffusion approximation [Jensen2001, 2.1, eq. 4 and 5].
 ///
-/// Light that enters is refracted, light that leaves does so in all directions alike, as [Dachsbacher2017, subsurface scattering] simplifies it:
+/// Light that enters is refracted, light that leaves does so in all directions alike, as [Dachsbacher2017, subsurface scattering]
+/// simplifies it:
 ///
 /// ```text
 /// L(x)   = albedo(x)/π ∫ R_d(|x - y|) E_t(y) dA(y)              over the front of the object's own surface

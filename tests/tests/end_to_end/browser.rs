@@ -1,6 +1,6 @@
 //! The page that a run writes, used in Chromium: on a desk and on a phone, dark and light.
 
-use crate::common::{folder, halfshade, stdout, write};
+use crate::common::{folder, halfshade, skipped, stdout, write};
 use std::{fs, path::Path, process::Command};
 
 const EXPERIMENT: &str = "name = \"small\"\nclaim = \"The page can be used.\"\nreceivers = [\"pixels\"]\n[truth]\nsamples = 16\n\
@@ -9,13 +9,12 @@ const EXPERIMENT: &str = "name = \"small\"\nclaim = \"The page can be used.\"\nr
     [[strategy]]\nname = \"unshadowed\"\n[[strategy]]\nname = \"sh-exp\"\n[[strategy]]\nname = \"mask\"\ndirections = [16, 64]\n";
 
 /// The program, by its name where it is installed.
-#[expect(clippy::print_stderr, reason = "whoever reads the test's output should know that it tested nothing")]
 fn chromium() -> Option<&'static str> {
     let is_there =
         |name: &&str| Command::new(name).arg("--version").output().is_ok_and(|output| output.status.success());
     let found = ["chromium", "chromium-browser", "google-chrome"].into_iter().find(is_there);
     if found.is_none() {
-        eprintln!("skipped: there is no chromium (apt install chromium)");
+        skipped("there is no chromium (apt install chromium)");
     }
     found
 }

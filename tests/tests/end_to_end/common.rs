@@ -40,6 +40,12 @@ pub(crate) fn refused(command: &mut Command) -> String {
     text
 }
 
+/// Tells whoever reads the test's output that it tested nothing.
+#[expect(clippy::print_stderr, reason = "tests have no other way to say so")]
+pub(crate) fn skipped(why: &str) {
+    eprintln!("skipped: {why}");
+}
+
 /// Names in a folder, in order.
 pub(crate) fn names(folder: &Path) -> Vec<String> {
     let mut names: Vec<String> = std::fs::read_dir(folder)

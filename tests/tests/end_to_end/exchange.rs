@@ -1,6 +1,6 @@
 //! Scenes for other renderers: a folder that is written whole or not at all, and Mitsuba's answer where it is installed.
 
-use crate::common::{folder, halfshade, names, refused, stdout, write};
+use crate::common::{folder, halfshade, names, refused, skipped, stdout, write};
 use std::path::Path;
 use std::process::Command;
 
@@ -39,13 +39,12 @@ fn a_scene_is_exported_into_a_new_folder_and_can_be_rendered_from_there() {
 }
 
 /// Whether Mitsuba is to be asked, and can be.
-#[expect(clippy::print_stderr, reason = "whoever reads the test's output should know that it tested nothing")]
 fn mitsuba_is_asked() -> bool {
     let asked = std::env::var_os("HALFSHADE_CONFIRM").is_some();
     let found = asked
         && Command::new("python3").args(["-c", "import mitsuba"]).output().is_ok_and(|output| output.status.success());
     if !found {
-        eprintln!("skipped: HALFSHADE_CONFIRM isn't set, or `python3 -c 'import mitsuba'` fails (pip install mitsuba)");
+        skipped("HALFSHADE_CONFIRM isn't set, or `python3 -c 'import mitsuba'` fails (pip install mitsuba)");
     }
     found
 }

@@ -9,6 +9,7 @@ mod experiments;
 mod guide;
 mod pages;
 mod readme;
+mod references;
 mod runs;
 mod shared_assets;
 mod spheres_where_needed;

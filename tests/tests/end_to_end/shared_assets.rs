@@ -3,14 +3,13 @@
 //! Every mesh gets four spheres, every mesh under one probe and every probe over one mesh are run through truth and strategies.
 //! HALFSHADE_ASSETS moves the folder; without it, `shared/assets` beside this repository is looked for.
 
-use crate::common::{folder, halfshade, stdout, write};
+use crate::common::{folder, halfshade, skipped, stdout, write};
 use std::{
     fs,
     path::{Path, PathBuf},
 };
 
 /// The folder; where there is none, says that nothing is tested.
-#[expect(clippy::print_stderr, reason = "whoever reads the test's output should know that it tested nothing")]
 fn assets() -> Option<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let places = [
@@ -21,7 +20,7 @@ fn assets() -> Option<PathBuf> {
     ];
     let found = places.into_iter().flatten().find(|place| place.join("meshes").is_dir());
     if found.is_none() {
-        eprintln!("skipped: no shared/assets beside the repository, and HALFSHADE_ASSETS is not set");
+        skipped("no shared/assets beside the repository, and HALFSHADE_ASSETS is not set");
     }
     found
 }

@@ -30,10 +30,13 @@ fn any_value_of_a_scene_file_is_swept_and_light_scales_what_it_should() {
         runs.find(|run| run["scene"] == scene).unwrap()["truth"]["unshadowed_mean"].as_f64().unwrap()
     };
     assert!((mean(names[1]) / mean(names[0]) - 2.0).abs() < 1e-5, "{} {}", mean(names[1]), mean(names[0]));
-    for (wrong, what) in [("light.2.radiance", "no entry `2` in a list of 1"), ("light.1.brightness", "brightness")] {
+    for (wrong, file, what) in [
+        ("light.2.radiance", "small.toml:", "no entry `2` in a list of 1"),
+        ("light.1.brightness", "scene.toml:", "brightness"),
+    ] {
         write(here.path(), "small.toml", text.replace("light.1.radiance", wrong));
         let error = refused(halfshade(here.path()).args(["run", "small.toml"]));
-        assert!(error.contains(what), "{error}");
+        assert!(error.contains(file) && error.contains(what), "{error}");
     }
     write(here.path(), "small.toml", text.replace("name = \"scene.toml\"", "name = \"vases\""));
     let error = refused(halfshade(here.path()).args(["run", "small.toml"]));

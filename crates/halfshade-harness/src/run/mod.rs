@@ -139,7 +139,7 @@ fn part_facts(plan: &Plan) -> Option<PartFacts> {
 fn with_spheres(setup: &Setup<'_>, scene: &Scene) -> Result<Scene, HarnessError> {
     let (tools, mut scene) = (setup.tools, scene.clone());
     scene.notes.iter().for_each(|note| tools.progress.note(note));
-    if setup.plan.needs_spheres(tools.strategies) {
+    if setup.plan.needs_spheres() {
         for note in scene.build_spheres(tools.cache, tools.progress)? {
             tools.progress.note(&format!("{}: {note}", scene.name));
         }

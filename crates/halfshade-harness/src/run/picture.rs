@@ -21,7 +21,7 @@ pub(super) fn picture_truth(group: &Group<'_>, view: &View, record: &mut Record)
         return Ok(());
     }
     let picture = view.picture(&group.references.mesh.reference.radiance);
-    let files = write(group, view, TRUTH_LABEL, &picture, None, None, record)?;
+    let files = write(group, view, TRUTH_LABEL, &picture, None, record)?;
     record.add_truth_picture(files)
 }
 
@@ -36,7 +36,7 @@ pub(super) fn picture_variant(
     let (row, reference) = (&group.rows[place], &group.references.mesh.reference);
     let (picture, truth) = (view.picture(radiance), view.picture(&reference.radiance));
     let (similarity, flip) = Similarity::between(&picture, &truth, view.exposure);
-    let files = write(group, view, &row.blank.label, &picture, Some((&truth, reference)), flip, record)?;
+    let files = write(group, view, &row.blank.label, &picture, Some((&truth, reference, flip)), record)?;
     record.add_picture(&row.key, files, similarity)
 }
 
@@ -54,18 +54,17 @@ pub(super) fn picture_difference(
     record: &mut Record,
 ) -> Result<(), HarnessError> {
     let picture = view.picture(first).magnified_difference(&view.picture(second), DIFFERENCE_FACTOR);
-    let files = write(group, view, label, &picture, None, None, record)?;
+    let files = write(group, view, label, &picture, None, record)?;
     record.add_picture(&difference_key(group), files, Similarity::default())
 }
 
-/// Writes a picture, with its error if there is a truth to compare it with, and with its map of FLIP.
+/// Writes a picture, with its error and its map of FLIP if there is a truth to compare it with.
 fn write(
     group: &Group<'_>,
     view: &View,
     label: &str,
     picture: &Picture,
-    truth: Option<(&Picture, &Reference)>,
-    flip: Option<FlipMap>,
+    truth: Option<(&Picture, &Reference, Option<FlipMap>)>,
     record: &mut Record,
 ) -> Result<PictureFiles, HarnessError> {
     let (scene, frame) = (&group.frame.scene.name, group.frame.index);
@@ -78,10 +77,14 @@ fn write(
         record.write(&file, &bytes)?;
         Ok(format!("{base}{ending}"))
     };
-    let error = truth.map(|(truth, reference)| (picture.minus(truth), truth, reference));
     let mut layers = vec![("", picture)];
-    if let Some((error, truth, _)) = &error {
-        layers.extend([("truth", *truth), ("error", error)]);
+    let error;
+    let (mut error_png, mut flip_png) = (None, None);
+    if let Some((truth, reference, flip)) = truth {
+        error = picture.minus(truth);
+        layers.extend([("truth", truth), ("error", &error)]);
+        error_png = Some(write(".error.png", png_bytes(&signed_error(&error, reference.unshadowed_mean)))?);
+        flip_png = flip.map(|map| write(".flip.png", png_bytes(&map))).transpose()?;
     }
     Ok(PictureFiles {
         scene: scene.clone(),
@@ -89,13 +92,8 @@ fn write(
         label: label.to_owned(),
         exr: write(".exr", exr_bytes(&layers, &origin))?,
         png: write(".png", png_bytes(&picture.to_srgb(view.exposure)))?,
-        error_png: match &error {
-            Some((error, _, reference)) => {
-                Some(write(".error.png", png_bytes(&signed_error(error, reference.unshadowed_mean)))?)
-            }
-            None => None,
-        },
-        flip_png: flip.map(|map| write(".flip.png", png_bytes(&map))).transpose()?,
+        error_png,
+        flip_png,
         exposure: view.exposure,
     })
 }

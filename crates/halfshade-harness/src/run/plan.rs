@@ -166,9 +166,9 @@ impl Plan {
     }
 
     /// Whether any strategy or reference reads sphere sets.
-    pub fn needs_spheres(&self, strategies: &[Box<dyn Strategy>]) -> bool {
+    pub fn needs_spheres(&self) -> bool {
         self.other_references().iter().any(|kind| kind.has_spheres())
-            || self.variants.iter().any(|variant| strategies[variant.strategy].needs_spheres())
+            || self.variants.iter().any(|variant| variant.needs_spheres)
     }
 
     /// Loads and checks everything, so that mistakes show before any work is done.
@@ -227,15 +227,14 @@ impl Plan {
     /// The references that are needed besides the mesh, with each strategy's own bands spelled out.
     pub fn other_references(&self) -> Vec<ReferenceKind> {
         let mut kinds = Vec::new();
+        let own: Vec<ReferenceKind> = self.variants.iter().filter_map(own_bands).collect();
         for kind in &self.references[1..] {
-            let concrete = match kind {
-                ReferenceKind::OwnBands => self.variants.iter().filter_map(own_bands).collect(),
-                ReferenceKind::Bands(_) => {
-                    let own = self.variants.iter().filter_map(own_bands);
-                    own.filter(|own| own.bands() == kind.bands()).collect()
-                }
-                other => vec![*other],
+            let of_bands: Vec<ReferenceKind> = match kind {
+                ReferenceKind::OwnBands => own.clone(),
+                _ => own.iter().copied().filter(|own| own.bands() == kind.bands()).collect(),
             };
+            // Without a strategy of those bands it still tells what they leave of the truth.
+            let concrete = if of_bands.is_empty() && *kind != ReferenceKind::OwnBands { vec![*kind] } else { of_bands };
             for kind in concrete {
                 if !kinds.contains(&kind) {
                     kinds.push(kind);

@@ -2,7 +2,7 @@
 
 use super::setup::Setup;
 use crate::{
-    HarnessError, ReceiverKind, ReceiverWeights, Reference, ReferenceKind, Weighting, reference::ReferenceTracer,
+    HarnessError, ReceiverKind, ReceiverWeights, Reference, ReferenceKind, reference::ReferenceTracer,
     results::TruthFigures,
 };
 use halfshade_scene::{Frame, ReceiverBuffer};
@@ -48,10 +48,7 @@ impl References {
             cache: &setup.truth_cache,
             progress: setup.tools.progress,
         };
-        let weights = Arc::new(match (receivers_are, setup.plan.weights) {
-            (ReceiverKind::Vertices, Weighting::Area) => ReceiverWeights::by_area(frame, receivers),
-            _ => ReceiverWeights::equal(receivers.len()),
-        });
+        let weights = Arc::new(ReceiverWeights::of_kind(receivers_are, setup.plan.weights, frame, receivers));
         let hiders: Arc<[Hider]> = match setup.plan.classes {
             true => hiders(&Tracer::new(frame), receivers.view(), setup.tools.progress).into(),
             false => Arc::default(),

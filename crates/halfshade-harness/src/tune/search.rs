@@ -11,7 +11,7 @@ use crate::{
     reference::ReferenceTracer,
     run::{Plan, Tools},
 };
-use halfshade_scene::{Cache, Frame, RadianceBuffer, ReceiverBuffer, Scene};
+use halfshade_scene::{Cache, RadianceBuffer, ReceiverBuffer, Scene};
 use halfshade_truth::Tracer;
 use std::sync::Arc;
 
@@ -41,7 +41,7 @@ impl Search<'_> {
     pub(super) fn run(&self, candidates: Vec<Candidate>) -> Result<Tried, HarnessError> {
         let planned = &self.plan.scenes[0];
         let mut scene = planned.scene.clone();
-        if self.plan.needs_spheres(self.tools.strategies) {
+        if self.plan.needs_spheres() {
             scene.build_spheres(self.tools.cache, self.tools.progress)?;
         }
         let (ground, sample) = self.ground(&scene, planned.frames[0], planned.receivers[0])?;
@@ -78,7 +78,11 @@ impl Search<'_> {
         kind: ReceiverKind,
     ) -> Result<(Ground<'a>, usize), HarnessError> {
         let frame = scene.frame(index);
-        let (receivers, weights) = receivers(&frame, kind, scene);
+        let receivers = match kind {
+            ReceiverKind::Vertices => ReceiverBuffer::vertices(&frame),
+            ReceiverKind::Pixels => Projection::of_pixels(&Tracer::new(&frame), &scene.camera).0,
+        };
+        let weights = ReceiverWeights::of_kind(kind, self.plan.weights, &frame, &receivers);
         if receivers.is_empty() {
             return Err(HarnessError::nothing_to_score(&scene.name, index, kind));
         }
@@ -94,21 +98,6 @@ impl Search<'_> {
         let (reference, _) = tracer.trace(scene, index, sampled.view(), ReferenceKind::Mesh, scoring)?;
         let reference = scattered(&reference, &places, &weights)?;
         Ok((Ground { frame, receivers, reference }, places.len()))
-    }
-}
-
-fn receivers(frame: &Frame<'_>, kind: ReceiverKind, scene: &Scene) -> (ReceiverBuffer, ReceiverWeights) {
-    match kind {
-        ReceiverKind::Vertices => {
-            let receivers = ReceiverBuffer::vertices(frame);
-            let weights = ReceiverWeights::by_area(frame, &receivers);
-            (receivers, weights)
-        }
-        ReceiverKind::Pixels => {
-            let receivers = Projection::of_pixels(&Tracer::new(frame), &scene.camera).0;
-            let weights = ReceiverWeights::equal(receivers.len());
-            (receivers, weights)
-        }
     }
 }
 
