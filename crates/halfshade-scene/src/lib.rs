@@ -12,7 +12,7 @@
 //! let scene = Scene::at_rest("a ball", vec![ball], Environment::constant(Vec3::ONE));
 //! let receivers = ReceiverBuffer::vertices(&scene.frame(0));
 //! assert_eq!(receivers.len(), scene.vertex_count());
-//! assert!((receivers.at(0).position.distance(Vec3::Y) - 1.0).abs() < 1e-6);
+//! assert!((receivers.view().position_at(0).distance(Vec3::Y) - 1.0).abs() < 1e-6);
 //! ```
 
 pub mod builtin;

@@ -14,7 +14,7 @@
 //! }
 //!
 //! let parameters = Settings::parameters();
-//! let info = Info { name: "mine", summary: "", source: "", parameters, presets: &[], effects: Effects::default() };
+//! let info = Info { name: "mine", summary: "", source: "", parameters, presets: &[], stages: &[], effects: Effects::default() };
 //! assert_eq!(Settings::read(&info.parse("bands=6").unwrap()).bands, 6);
 //! let mistake = info.parse("band=6").unwrap_err().to_string();
 //! assert_eq!(mistake, "unknown parameter `band` (did you mean `bands`?); known: bands");
