@@ -8,7 +8,7 @@ use halfshade_scene::{
     progress::Silent,
 };
 use halfshade_truth::{Hider, Options, Tracer, Transport, estimate, hiders};
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 /// Every so many vertices of a scene are receivers.
 const STRIDE: usize = 23;
@@ -28,7 +28,12 @@ pub(crate) struct Traced {
 
 impl Traced {
     /// Grey light, coloured light from a map and a sun, and two lamps.
-    pub(crate) fn all() -> Vec<Self> {
+    pub(crate) fn all() -> &'static [Self] {
+        static ALL: LazyLock<[Traced; 3]> = LazyLock::new(Traced::trace_all);
+        &*ALL
+    }
+
+    fn trace_all() -> [Self; 3] {
         let coloured = (0..32 * 16).map(|i| {
             let wave = |n: usize| (0.7 * (i * n % 97) as f32).sin().max(0.0).powi(4);
             Vec3::new(wave(3), wave(5), wave(7)) + 0.05
@@ -41,7 +46,7 @@ impl Traced {
             (light, Motion::Still(Pose::IDENTITY))
         };
         let lamps = vec![lamp(-1.5, Vec3::new(1.0, 0.8, 0.5)), lamp(2.0, Vec3::splat(0.5))];
-        vec![
+        [
             Self::new("grey light", "vases", Environment::constant(Vec3::ONE), Vec::new()),
             Self::new("coloured light", "one-sphere", coloured, Vec::new()),
             Self::new("lamps", "vases", Environment::constant(Vec3::ZERO), lamps),

@@ -14,11 +14,7 @@ fn every_experiment_of_the_repository_can_be_planned() {
     let entries = std::fs::read_dir(&folder).expect("experiments").map(|entry| entry.expect("an entry").path());
     let paths: Vec<PathBuf> = entries.filter(|path| path.extension().is_some_and(|ending| ending == "toml")).collect();
     assert!(paths.len() >= 3);
-    std::thread::scope(|scope| {
-        for path in &paths {
-            scope.spawn(|| check(path));
-        }
-    });
+    paths.iter().for_each(|path| check(path));
 }
 
 fn check(path: &Path) {

@@ -224,7 +224,7 @@ fn intervals_of_repeated_runs_hold_what_all_receivers_give() {
     // Under a sun, 64 samples of the truth meet rare events too seldom to know of them: intervals of errors as small as the noise
     // hold 75 to 80 % there.
     let all_samples = [("grey light", 64), ("coloured light", 512)];
-    for (traced, (name, samples)) in Traced::all().into_iter().zip(all_samples) {
+    for (traced, (name, samples)) in Traced::all().iter().zip(all_samples) {
         assert_eq!(traced.name, name);
         let (names, all): (Vec<&str>, Vec<RadianceBuffer>) = traced.strategies().into_iter().unzip();
         let exact = traced.without_noise();

@@ -9,11 +9,11 @@ use super::physics::{Contact, Piece, RigidBody, simulate};
 use super::polish::polished;
 use super::profile::spline_profile;
 use super::{choreography, shapes, studio};
-use crate::{Camera, Material, Mesh, Motion, Object, Pose, Scene, SphereLight, once};
+use crate::{Camera, Material, Mesh, Motion, Object, Pose, Scene, SphereLight};
 use glam::{Quat, Vec2, Vec3};
 use rand::{RngExt, SeedableRng};
 use std::f32::consts::{FRAC_PI_2, TAU};
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 /// Real time: a frame is a sixtieth of a second.
 const FRAMES_PER_SEC: f64 = 60.0;
@@ -74,13 +74,7 @@ const METRES_PER_INCH: f64 = 0.0254;
 /// How surfaces meet.
 const CONTACT: Contact = Contact { friction: 0.3, restitution: 0.4 };
 
-/// The scene, simulated once.
 pub(super) fn scene() -> Scene {
-    static SCENE: OnceLock<Scene> = OnceLock::new();
-    once(&SCENE, simulated).clone()
-}
-
-fn simulated() -> Scene {
     let mut objects = vec![floor(), lane(), gutters()];
     let (ball, cushion, pin) = (Arc::new(ball()), Arc::new(cushion()), Arc::new(pin()));
     let mut bodies = vec![rolling_ball(), lying_cushion(&cushion)];

@@ -6,11 +6,11 @@ use super::physics::{Contact, Piece, RigidBody, simulate};
 use super::polish::polished;
 use super::toys::{self, Toy};
 use super::{bowling, daylight, squirrel_and_balls, statues, vases};
-use crate::{Camera, Material, Mesh, Object, Pose, Scene, once};
+use crate::{Camera, Material, Mesh, Object, Pose, Scene};
 use glam::{BVec3, Quat, Vec3};
 use rand::{RngExt, SeedableRng};
 use std::f32::consts::TAU;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 /// Real time: a frame is a fiftieth of a second.
 const FRAMES_PER_SEC: f64 = 50.0;
@@ -50,13 +50,7 @@ const FALLING: [(&str, f32, [f32; 3], usize); 19] = [
 /// Toys that shine.
 const POLISHED: [&str; 3] = ["teapot", "ball", "drum"];
 
-/// The scene, simulated once.
 pub(super) fn scene() -> Scene {
-    static SCENE: OnceLock<Scene> = OnceLock::new();
-    once(&SCENE, simulated).clone()
-}
-
-fn simulated() -> Scene {
     let half_size = Vec3::new(2.4, 0.15, 2.0);
     let mut objects = vec![ground(half_size, [107, 102], Vec3::new(0.56, 0.55, 0.50), 8)];
     let toys: Vec<(&str, Arc<Mesh>, Vec<Piece>)> =

@@ -58,7 +58,8 @@ pub use lathe::{ProfilePoint, lathe};
 pub use shapes::{SHAPES, shape};
 pub use studio::studio;
 
-use crate::Scene;
+use crate::{Scene, once};
+use std::sync::OnceLock;
 
 /// The built-in scenes: name and one-line summary.
 pub const SCENES: &[(&str, &str)] = &[
@@ -90,6 +91,13 @@ pub const SCENES: &[(&str, &str)] = &[
 
 /// The built-in scene called `name` (see [`SCENES`]), its sphere sets not yet built.
 pub fn scene(name: &str) -> Option<Scene> {
+    // Meshing and simulating take seconds: once for the whole program.
+    static MADE: [OnceLock<Option<Scene>>; SCENES.len()] = [const { OnceLock::new() }; SCENES.len()];
+    let number = SCENES.iter().position(|(known, _)| *known == name)?;
+    once(&MADE[number], || made(name)).clone()
+}
+
+fn made(name: &str) -> Option<Scene> {
     Some(match name {
         "vases" => vases::scene(),
         "ducks" => ducks::scene(),

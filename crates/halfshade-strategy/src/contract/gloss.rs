@@ -15,6 +15,9 @@ use std::{
 
 const EXPONENT: f64 = 15.0;
 
+/// Receivers per model.
+const PLACES: usize = 29;
+
 /// A model, and its integrand towards the eye for normal, direction of the eye, and direction of light: no diffuse part.
 type Model = (Reflectance, fn(DVec3, DVec3, DVec3) -> f64);
 
@@ -80,45 +83,106 @@ fn quadrature(frame: &Frame<'_>, position: Vec3, normal: DVec3, f: impl Fn(DVec3
 /// a glossy scene is known to ask too much.
 pub fn gloss_is_modelled_or_refused(strategy: &dyn Strategy, params: &Params, bounds: &Bounds) -> Checked {
     let effects = strategy.info().effects;
-    for (number, (model, integrand)) in models().into_iter().enumerate() {
-        let mut scene = scenes::spheres(scenes::map(), &[]);
-        scene.objects[0].material = Material { reflectance: model, ..Material::default() };
-        scene.camera.eye = Vec3::new(0.5, 3.0, 1.0);
-        if !effects.contains(Effect::GlossyReflectance) {
-            let missing = effects.missing(Effects::required_by(&scene));
-            if !missing.contains(Effect::GlossyReflectance) {
-                return violation("a glossy scene seems to ask nothing that it can't model".into());
-            }
-            continue;
-        }
-        let mut cases = Vec::new();
-        if effects.contains(Effect::EnvironmentLight) {
-            cases.push((Light::Constant, Scene { environment: Environment::constant(Vec3::ONE), ..scene.clone() }));
-            cases.push((Light::Map, scene.clone()));
-        }
-        if effects.contains(Effect::LocalLights) {
-            let lights = vec![(scenes::lamp(), Motion::Still(Pose::IDENTITY))];
-            cases.push((Light::Lamp, Scene { environment: Environment::constant(Vec3::ZERO), lights, ..scene }));
-        }
-        for (light, scene) in &cases {
-            let expected = EXPECTED[number][*light as usize].get_or_init(|| expected(scene, integrand));
-            check_case(strategy, params, bounds, (*light, scene), expected)?;
+    let models = models();
+    if !effects.contains(Effect::GlossyReflectance) {
+        let asks_for_it = |model| {
+            let missing = effects.missing(Effects::required_by(&glossy(&[model])));
+            missing.contains(Effect::GlossyReflectance)
+        };
+        return match models.iter().all(asks_for_it) {
+            true => Ok(()),
+            false => violation("a glossy scene seems to ask nothing that it can't model".into()),
+        };
+    }
+    // Together, so that light is baked once for all of them; alone where one of them is refused.
+    let all: Vec<(usize, &Model)> = models.iter().enumerate().collect();
+    if check(strategy, params, bounds, &all)? == Answer::Refused {
+        for model in &all {
+            check(strategy, params, bounds, &[*model])?;
         }
     }
     Ok(())
 }
 
-/// The receivers of every case.
-fn receivers() -> ReceiverBuffer {
-    scenes::receivers(29)
+/// What a strategy says to a glossy scene with its parameters.
+#[derive(PartialEq)]
+enum Answer {
+    Modelled,
+    Refused,
 }
 
-/// Radiance of every receiver by quadrature.
+/// A scene of one speck per model.
+fn glossy(models: &[&Model]) -> Scene {
+    let mut scene = scenes::spheres(scenes::map(), &[]);
+    let speck = scene.objects.remove(0);
+    scene.objects = models
+        .iter()
+        .map(|(model, _)| {
+            let material = Material { reflectance: model.clone(), ..Material::default() };
+            speck.clone().material(material)
+        })
+        .collect();
+    scene.camera.eye = Vec3::new(0.5, 3.0, 1.0);
+    scene
+}
+
+/// The same places and normals for each of so many specks.
+fn receivers(specks: usize) -> ReceiverBuffer {
+    let places = scenes::receivers(PLACES);
+    let numbers: Vec<u32> = (0..PLACES as u32).cycle().take(specks * PLACES).collect();
+    let mut all = ReceiverBuffer::gathered(places.view(), &numbers);
+    all.object.iter_mut().enumerate().for_each(|(i, object)| *object = (i / PLACES) as u32);
+    all
+}
+
+/// Numbered models in one scene under every light that the strategy knows.
+fn check(
+    strategy: &dyn Strategy,
+    params: &Params,
+    bounds: &Bounds,
+    models: &[(usize, &Model)],
+) -> Result<Answer, Violation> {
+    let effects = strategy.info().effects;
+    let scene = glossy(&models.iter().map(|(_, model)| *model).collect::<Vec<_>>());
+    let mut cases = Vec::new();
+    if effects.contains(Effect::EnvironmentLight) {
+        cases.push((Light::Constant, Scene { environment: Environment::constant(Vec3::ONE), ..scene.clone() }));
+        cases.push((Light::Map, scene.clone()));
+    }
+    if effects.contains(Effect::LocalLights) {
+        let lights = vec![(scenes::lamp(), Motion::Still(Pose::IDENTITY))];
+        cases.push((Light::Lamp, Scene { environment: Environment::constant(Vec3::ZERO), lights, ..scene }));
+    }
+    let receivers = receivers(models.len());
+    for (light, scene) in &cases {
+        let mut baked = match strategy.bake(scene, params, &Silent) {
+            // It can, but not with these parameters, and says so.
+            Err(StrategyError::Unsupported(_)) => return Ok(Answer::Refused),
+            baked => baked.map_err(|error| Violation(format!("bake: {error}")))?,
+        };
+        let found = frame_of(baked.as_mut(), &scene.frame(0), &receivers)?;
+        for (speck, (number, model)) in models.iter().enumerate() {
+            let expected = EXPECTED[*number][*light as usize].get_or_init(|| expected(scene, model.1));
+            let mean = expected.iter().map(|value| value.element_sum()).sum::<f64>() / (3 * PLACES) as f64;
+            for (i, exact) in expected.iter().enumerate() {
+                let found = found.at(speck * PLACES + i);
+                let error = (found.as_dvec3() - *exact).abs().max_element();
+                if error.is_nan() || error > f64::from(bounds.gloss) * mean {
+                    let place = format!("model {number}, light {light:?}, receiver {i}");
+                    return Err(Violation(format!("{place}: {found} instead of {exact}")));
+                }
+            }
+        }
+    }
+    Ok(Answer::Modelled)
+}
+
+/// Radiance of every place by quadrature.
 fn expected(scene: &Scene, integrand: fn(DVec3, DVec3, DVec3) -> f64) -> Vec<DVec3> {
-    let receivers = receivers();
+    let receivers = scenes::receivers(PLACES);
     let frame = scene.frame(0);
     let view = receivers.view();
-    (0..receivers.len())
+    (0..PLACES)
         .map(|i| {
             let (position, n) = (view.position_at(i), view.normal_at(i).as_dvec3().normalize());
             let o = (scene.camera.eye - position).as_dvec3().normalize();
@@ -127,27 +191,4 @@ fn expected(scene: &Scene, integrand: fn(DVec3, DVec3, DVec3) -> f64) -> Vec<DVe
             diffuse + quadrature(&frame, position, n, gloss)
         })
         .collect()
-}
-
-fn check_case(
-    strategy: &dyn Strategy,
-    params: &Params,
-    bounds: &Bounds,
-    (light, scene): (Light, &Scene),
-    expected: &[DVec3],
-) -> Checked {
-    let mut baked = match strategy.bake(scene, params, &Silent) {
-        // It can, but not with these parameters, and says so.
-        Err(StrategyError::Unsupported(_)) => return Ok(()),
-        baked => baked.map_err(|error| Violation(format!("bake: {error}")))?,
-    };
-    let found = frame_of(baked.as_mut(), &scene.frame(0), &receivers())?;
-    let mean = expected.iter().map(|value| value.element_sum()).sum::<f64>() / (3 * expected.len()) as f64;
-    for (i, exact) in expected.iter().enumerate() {
-        let error = (found.at(i).as_dvec3() - *exact).abs().max_element();
-        if error.is_nan() || error > f64::from(bounds.gloss) * mean {
-            return violation(format!("glossy, light {light:?}, receiver {i}: {} instead of {exact}", found.at(i)));
-        }
-    }
-    Ok(())
 }

@@ -241,8 +241,8 @@ pub fn every_output_is_finite(strategy: &dyn Strategy, params: &Params) -> Check
     let ball = Sphere { center: Vec3::new(0.1, 0.9, 0.0), radius: 0.8 };
     let crowds: [Vec<Sphere>; 5] = [
         Vec::new(),
-        vec![ball; 60],
-        scenes::crowd(200),
+        vec![ball; 40],
+        scenes::crowd(100),
         vec![Sphere { center: Vec3::ZERO, radius: 3.0 }, Sphere { center: Vec3::ZERO, radius: 1e-6 }],
         vec![Sphere { center: Vec3::new(0.0, 1e4, 0.0), radius: 9.9e3 }, Sphere { center: Vec3::X, radius: 1e-5 }],
     ];
@@ -256,7 +256,7 @@ pub fn every_output_is_finite(strategy: &dyn Strategy, params: &Params) -> Check
         }
     }
     for spheres in &crowds {
-        for strength in [1e-6, 1.0, 1e6] {
+        for strength in [1e-6, 1e6] {
             let mut environment = scenes::sun();
             environment.base = halfshade_scene::light::DistantLight::Constant(Vec3::splat(strength));
             if let Some(sun) = &mut environment.sun {

@@ -67,8 +67,8 @@ fn variants_with(fields: fn() -> ShadowField) -> Vec<Variant> {
     let mut all = vec![
         Variant::new(Unshadowed, ""),
         Variant { noise: 0.25, ..Variant::new(RayTraced, "unfiltered,samples=256") },
-        Variant::new(ShExp, "bounces=0"),
-        Variant::new(ShExp, "bounces=0,exp=product"),
+        Variant::new(ShExp, "bounces=0,normals=16,own-directions=32"),
+        Variant::new(ShExp, "bounces=0,exp=product,normals=16,own-directions=32"),
     ];
     all.extend(fields_and_lobes_with(fields));
     all
