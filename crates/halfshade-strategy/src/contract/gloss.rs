@@ -104,7 +104,7 @@ pub fn gloss_is_modelled_or_refused(strategy: &dyn Strategy, params: &Params, bo
     Ok(())
 }
 
-/// What a strategy says to a glossy scene with its parameters.
+/// Answer of a strategy to a glossy scene, with its parameters.
 #[derive(PartialEq)]
 enum Answer {
     Modelled,
