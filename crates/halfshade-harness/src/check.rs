@@ -439,7 +439,7 @@ mod tests {
     #[test]
     #[expect(clippy::print_stdout, reason = "shown with --nocapture: both rates")]
     fn other_seeds_of_the_truth_raise_no_alarm_and_growth_by_a_twentieth_is_found() {
-        const SEEDS: u64 = 30;
+        const SEEDS: u64 = 20;
         let scenes = Traced::all();
         let seen_with = |seed| scenes.iter().map(|traced| (traced, traced.reference(seed))).collect::<Vec<_>>();
         let baseline = measured(&seen_with(0), 1.0);

@@ -43,7 +43,7 @@ use std::{
 };
 
 /// About a minute on two cores.
-const SCENES: u64 = 26;
+const SCENES: u64 = 20;
 
 /// Value of an environment variable, if it is a number.
 fn asked(variable: &str) -> Option<u64> {

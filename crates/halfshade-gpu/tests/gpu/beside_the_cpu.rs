@@ -68,8 +68,8 @@ pub(super) fn compare_in(
     let worst = off.iter().copied().fold(0.0, |a, b| if b <= a { a } else { b });
     let average = off.iter().sum::<f32>() / off.len() as f32;
     let [most, most_in_the_mean] = match cpu.info().name {
-        // A ray that grazes an edge, or the rim of a small sun, may be decided otherwise.
-        "ray-traced" => [10.0, 1e-3],
+        // A ray that grazes an edge, or the rim of a small sun, may be decided otherwise: one of some ten thousand.
+        "ray-traced" => [10.0, 2e-3],
         // So may the node of a map that is next to a direction of a lobe.
         "mask" if scene.is_glossy() => [1e-2, MEAN_TOLERANCE],
         _ => [TOLERANCE, MEAN_TOLERANCE],
@@ -117,7 +117,7 @@ pub(super) fn environments() -> [Environment; 2] {
 /// A ground, and turned, scaled and overlapping bodies of several spheres, of which some cut the ground. All are `size` times
 /// as large as usual, and move.
 pub(super) fn scene(size: f32, environment: Environment) -> Scene {
-    let mesh: Arc<Mesh> = Arc::new(shapes::sphere(12));
+    let mesh: Arc<Mesh> = Arc::new(shapes::sphere(8));
     let spheres = (0..12).map(|i| {
         let angle = i as f32 * 0.9;
         Sphere {
@@ -126,7 +126,7 @@ pub(super) fn scene(size: f32, environment: Environment) -> Scene {
         }
     });
     let set = Arc::new(SphereSet { spheres: spheres.collect(), ..SphereSet::default() });
-    let ground = Object::new("ground", shapes::plane(24)).pose(Pose { scale: 4.0 * size, ..Pose::IDENTITY });
+    let ground = Object::new("ground", shapes::plane(16)).pose(Pose { scale: 4.0 * size, ..Pose::IDENTITY });
     let body = |i: usize| {
         let pose = Pose {
             scale: (0.5 + 0.2 * i as f32) * size,

@@ -242,7 +242,7 @@ pub fn every_output_is_finite(strategy: &dyn Strategy, params: &Params) -> Check
     let crowds: [Vec<Sphere>; 5] = [
         Vec::new(),
         vec![ball; 40],
-        scenes::crowd(100),
+        scenes::crowd(120),
         vec![Sphere { center: Vec3::ZERO, radius: 3.0 }, Sphere { center: Vec3::ZERO, radius: 1e-6 }],
         vec![Sphere { center: Vec3::new(0.0, 1e4, 0.0), radius: 9.9e3 }, Sphere { center: Vec3::X, radius: 1e-5 }],
     ];
